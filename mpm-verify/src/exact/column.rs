@@ -16,6 +16,10 @@
 //! Sources: Gibson, England & Hussey 1967, Geotechnique 17(3); Gibson, Schiffman & Cargill 1981, Can. Geotech. J. 18(2);
 //! time: Hairer & Wanner, *Solving Ordinary Differential Equations II*, table IV.6.5.
 
+use std::collections::HashMap;
+use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
+
+use mpm_core::hash::{Digest, sha256};
 use mpm_core::scene::{Fields, Side, Start, StrainChoice};
 
 use super::oedometer::Oedometer;
@@ -33,7 +37,7 @@ pub struct Column {
     /// Height H, m.
     pub height: f64,
     times: Vec<f64>,
-    meshes: Vec<Solved>,
+    meshes: Vec<Arc<Solved>>,
     /// Largest excess pressure under the whole load before anything drains, Pa; that of still water at the base where there is none.
     pub largest_excess: f64,
 }
@@ -58,11 +62,10 @@ impl Column {
         if !scene.is_plain_column() || scene.stages.len() != 1 || scene.observe_times.is_empty() {
             return None;
         }
-        let meshes: Vec<Solved> =
-            CELLS.iter().map(|cells| Mesh::new(scene, *cells)?.solve(scene)).collect::<Option<_>>()?;
+        let meshes = CELLS.iter().map(|cells| Mesh::new(scene, *cells)?.solved()).collect::<Option<_>>()?;
         let mesh = Mesh::new(scene, CELLS[0])?;
         // Undrained under the whole load, whenever it comes.
-        let first = mesh.pressures(&mesh.first(scene, mesh.ramp)?, mesh.ramp);
+        let first = mesh.pressures(&mesh.first(mesh.ramp)?, mesh.ramp);
         let still = |middle: f64| mesh.water_weight * (scene.height - middle);
         let excess = mesh.cells.iter().zip(&first).map(|(cell, p)| (p - still(cell.middle)).abs()).fold(0.0, f64::max);
         // Water at rest has none: what round-off leaves of it is measured in the pressure that stands still.
@@ -215,11 +218,23 @@ struct Cell {
     mobility: f64,
     /// sigma'_0, Pa.
     first: f64,
+    /// Pore pressure at the start, Pa.
+    pressure: f64,
 }
 
-/// Cells from the base up, and what acts on them.
+/// Columns by all that they follow from: refinements of one scene share theirs.
+static SOLVED: LazyLock<Mutex<HashMap<Digest, Arc<OnceLock<Option<Arc<Solved>>>>>>> = LazyLock::new(Mutex::default);
+
+/// Cells from the base up, what acts on them, and when they are looked at.
+#[derive(Debug)]
 struct Mesh {
     cells: Vec<Cell>,
+    /// Sample times, s.
+    times: Vec<f64>,
+    /// Settlement from the unloaded state to the start, m.
+    settled: f64,
+    /// Strain at the end, where the top drains.
+    strain: f64,
     drained: [bool; 2],
     porosity: f64,
     /// 1/K_w, 1/Pa.
@@ -253,6 +268,7 @@ impl Mesh {
     fn new(scene: &Fields, count: usize) -> Option<Self> {
         let water = scene.water?;
         let drained = scene.stages[0].drained;
+        let gravity = scene.gravity.unwrap_or(0.0);
         let earliest = scene.observe_times.iter().copied().find(|t| *t > 0.0).unwrap_or(1.0);
         let (mut cells, mut base) = (Vec::new(), 0.0);
         for (layer, (thickness, soil)) in scene.by_layer().iter().enumerate() {
@@ -268,19 +284,21 @@ impl Mesh {
             for i in 0..count {
                 let (below, above) = (edge(i), edge(i + 1));
                 let middle = 0.5 * (below + above);
-                let first = match scene.start {
-                    Start::Unloaded | Start::Given => 0.0,
-                    Start::UndrainedEquilibrium => scene.total_stress_at(middle) - scene.undrained_pressure_at(middle),
+                let (first, pressure) = match scene.start {
+                    Start::Unloaded | Start::Given => (0.0, 0.0),
+                    Start::UndrainedEquilibrium => {
+                        let pressure = scene.undrained_pressure_at(middle);
+                        (scene.total_stress_at(middle) - pressure, pressure)
+                    }
                     Start::Geostatic => {
-                        let buoyant = scene.mixture_density() - water.density;
-                        buoyant * scene.gravity.unwrap_or(0.0) * (scene.height - middle)
+                        let (buoyant, depth) = (scene.mixture_density() - water.density, scene.height - middle);
+                        (buoyant * gravity * depth, water.density * gravity * depth)
                     }
                 };
-                cells.push(Cell { middle, size: above - below, layer, law: Law::of(soil), mobility, first });
+                cells.push(Cell { middle, size: above - below, layer, law: Law::of(soil), mobility, first, pressure });
             }
             base += thickness;
         }
-        let gravity = scene.gravity.unwrap_or(0.0);
         let large = scene.strain == StrainChoice::Large;
         let drained = [drained[Side::Bottom as usize], drained[Side::Top as usize]];
         let (load, ramp) = scene.surcharge.map_or((0.0, 0.0), |s| (s.pressure, s.ramp_time));
@@ -293,6 +311,9 @@ impl Mesh {
         let elastic = cells.iter().all(|cell| matches!(cell.law, Law::Elastic { .. }));
         Some(Self {
             cells,
+            times: scene.observe_times.clone(),
+            settled: scene.first_settlement(),
+            strain: final_settlement(scene, load).abs() / scene.height,
             drained,
             porosity: scene.porosity,
             compressibility: 1.0 / water.bulk_modulus,
@@ -418,33 +439,29 @@ impl Mesh {
     }
 
     /// Stretches at t = 0, after whatever of the load of a time comes suddenly and undrained.
-    fn first(&self, scene: &Fields, time: f64) -> Option<Vec<f64>> {
-        let start = vec![1.0; self.cells.len()];
-        let depth = |cell: &Cell| scene.height - cell.middle;
-        let known = self.cells.iter().map(|cell| {
-            let pressure = match scene.start {
-                Start::Unloaded | Start::Given => 0.0,
-                Start::UndrainedEquilibrium => scene.undrained_pressure_at(cell.middle),
-                Start::Geostatic => self.water_weight * depth(cell),
-            };
-            self.content(1.0, pressure).0
-        });
-        let known: Vec<f64> = known.collect();
-        let (mut j, mut state) = (start, State::of(self.cells.len()));
+    fn first(&self, time: f64) -> Option<Vec<f64>> {
+        let known: Vec<f64> = self.cells.iter().map(|cell| self.content(1.0, cell.pressure).0).collect();
+        let (mut j, mut state) = (vec![1.0; self.cells.len()], State::of(self.cells.len()));
         self.stretches(&mut j, &known, 0.0, time, &mut state)?;
         Some(j)
     }
 
-    fn solve(&self, scene: &Fields) -> Option<Solved> {
-        let mut j = self.first(scene, 0.0)?;
+    /// The solution, found once.
+    fn solved(&self) -> Option<Arc<Solved>> {
+        let mut all = SOLVED.lock().unwrap_or_else(PoisonError::into_inner);
+        let own = Arc::clone(all.entry(sha256(format!("{self:?}").as_bytes())).or_default());
+        drop(all);
+        own.get_or_init(|| self.solve().map(Arc::new)).clone()
+    }
+
+    fn solve(&self) -> Option<Solved> {
+        let mut j = self.first(0.0)?;
         let zeros = || vec![0.0; j.len()];
         let (state, rates) = (State::of(j.len()), std::array::from_fn(|_| zeros()));
         let mut work = Work { state, end: zeros(), known: zeros(), z: zeros(), rates };
-        let end = scene.observe_times.iter().copied().fold(0.0, f64::max);
-        let strain = final_settlement(scene, self.load).abs() / scene.height;
-        let allowed = TOLERANCE * strain.clamp(1e-12, 1.0);
-        let mut stops: Vec<f64> =
-            scene.observe_times.iter().copied().chain([self.ramp]).filter(|t| *t <= end).collect();
+        let end = self.times.iter().copied().fold(0.0, f64::max);
+        let allowed = TOLERANCE * self.strain.clamp(1e-12, 1.0);
+        let mut stops: Vec<f64> = self.times.iter().copied().chain([self.ramp]).filter(|t| *t <= end).collect();
         stops.sort_by(f64::total_cmp);
         stops.dedup();
         let (mut now, mut dt) = (0.0, 1e-9 * end);
@@ -467,14 +484,14 @@ impl Mesh {
                     return None;
                 }
             }
-            if scene.observe_times.contains(&stop) {
+            if self.times.contains(&stop) {
                 let settled: f64 = self.cells.iter().zip(&j).map(|(cell, j)| cell.size * (1.0 - j)).sum();
-                settlements.push(scene.first_settlement() + settled);
+                settlements.push(self.settled + settled);
                 pressures.push(self.pressures(&j, stop));
             }
         }
         let places = self.cells.iter().map(|cell| (cell.middle, cell.layer)).collect();
-        (settlements.len() == scene.observe_times.len()).then_some(Solved {
+        (settlements.len() == self.times.len()).then_some(Solved {
             settlements,
             places,
             pressures,

@@ -70,22 +70,17 @@ impl Vortex {
         [g, [rate * (time - sin / w), rate * (1.0 - cos), rate * w * sin]]
     }
 
-    /// alpha and its first two derivatives over t.
-    fn turn(&self, radius: f64, time: f64) -> Jet {
-        let (h, [g, omega]) = (self.bump(radius)[0], self.in_time(time));
-        std::array::from_fn(|i| self.shear * h * g[i] + omega[i])
-    }
-
-    /// gamma, and its derivative over R, 1/m.
-    fn sheared(&self, radius: f64, time: f64) -> [f64; 2] {
-        let ([_, h1, h2], [g, _]) = (self.bump(radius), self.in_time(time));
-        [self.shear * g[0] * radius * h1, self.shear * g[0] * (h1 + radius * h2)]
+    /// alpha with its first two derivatives over t; gamma and its derivative over R, 1/m.
+    fn turn(&self, radius: f64, time: f64) -> (Jet, [f64; 2]) {
+        let ([h, h1, h2], [g, omega]) = (self.bump(radius), self.in_time(time));
+        let gamma = [self.shear * g[0] * radius * h1, self.shear * g[0] * (h1 + radius * h2)];
+        (std::array::from_fn(|i| self.shear * h * g[i] + omega[i]), gamma)
     }
 
     /// Largest shear strain gamma over the ring and the time.
     pub fn largest_shear(&self) -> f64 {
         let [centre, width] = self.ring;
-        let at = |i: i32| self.sheared(centre + width * f64::from(i) / 500.0, 0.5 * self.duration)[0].abs();
+        let at = |i: i32| self.turn(centre + width * f64::from(i) / 500.0, 0.5 * self.duration).1[0].abs();
         (-500..=500).map(at).fold(0.0, f64::max)
     }
 
@@ -99,7 +94,7 @@ impl Vortex {
     /// Body force per mass at a place now, m/s2.
     pub fn body_force(&self, x: [f64; 2], time: f64) -> [f64; 2] {
         let (radius, [cos, sin]) = self.polar(x);
-        let ([_, rate, acceleration], [gamma, along]) = (self.turn(radius, time), self.sheared(radius, time));
+        let ([_, rate, acceleration], [gamma, along]) = self.turn(radius, time);
         let (g, mut divergence) = (self.modulus, [0.0; 2]);
         if gamma != 0.0 || along != 0.0 {
             let (sin, cos) = gamma.sin_cos();
@@ -113,11 +108,11 @@ impl Vortex {
     /// The point that stood at a place at t = 0.
     pub fn point(&self, first: [f64; 2], time: f64) -> Point {
         let (radius, [cos, sin]) = self.polar(first);
-        let [angle, rate, _] = self.turn(radius, time);
+        let ([angle, rate, _], [gamma, _]) = self.turn(radius, time);
         let (turned_sin, turned_cos) = angle.sin_cos();
         let [c, s] = [cos * turned_cos - sin * turned_sin, sin * turned_cos + cos * turned_sin];
         let (shear, normal) = {
-            let (sin, cos) = self.sheared(radius, time)[0].sin_cos();
+            let (sin, cos) = gamma.sin_cos();
             (self.modulus * sin, self.modulus * (1.0 - cos)) // sigma_rt, sigma_tt
         };
         let (xx, xy) =
@@ -202,7 +197,7 @@ mod tests {
         // Stress at places near by: through the points that are there, found by turning back.
         let stress_at = |x: [f64; 2]| {
             let (radius, _) = DISC.polar(x);
-            let angle = -DISC.turn(radius, time)[0];
+            let angle = -DISC.turn(radius, time).0[0];
             let from = [x[0] - DISC.middle[0], x[1] - DISC.middle[1]];
             let (s, c) = angle.sin_cos();
             let first = [DISC.middle[0] + from[0] * c - from[1] * s, DISC.middle[1] + from[0] * s + from[1] * c];

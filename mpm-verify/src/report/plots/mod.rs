@@ -248,3 +248,15 @@ fn numbers(figure: &Figure, path: &Path) -> Result<(), ReportError> {
     });
     tables::table(path, &header, rows)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_is_the_mean_of_the_four_finer_ones_channel_by_channel() {
+        // Two pixels: all of the left one's green stands in one corner, the right one is blue in its lower half.
+        let fine = [[[0, 0, 0], [0, 40, 0], [0, 0, 0], [0, 0, 0]], [[0, 0, 0], [0, 0, 0], [0, 0, 200], [8, 0, 200]]];
+        assert_eq!(averaged(fine.as_flattened().as_flattened(), (2, 1)), [0, 10, 0, 2, 0, 100]);
+    }
+}
