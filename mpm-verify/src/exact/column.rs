@@ -222,8 +222,11 @@ struct Cell {
     pressure: f64,
 }
 
-/// Columns by all that they follow from: refinements of one scene share theirs.
-static SOLVED: LazyLock<Mutex<HashMap<Digest, Arc<OnceLock<Option<Arc<Solved>>>>>>> = LazyLock::new(Mutex::default);
+/// What one mesh gives, once it is there; nothing where there is no solution.
+type Kept = Arc<OnceLock<Option<Arc<Solved>>>>;
+
+/// Solutions by all that they follow from: refinements of one scene share theirs.
+static SOLVED: LazyLock<Mutex<HashMap<Digest, Kept>>> = LazyLock::new(Mutex::default);
 
 /// Cells from the base up, what acts on them, and when they are looked at.
 #[derive(Debug)]
