@@ -108,7 +108,17 @@ impl Part {
         let command = format!("{program} {}", self.arguments.join(" "));
         Ok(Row { part: self.name.to_owned(), command, wall_s, passed: status.success() })
     }
+
+    /// The end of what it said.
+    fn last_words(&self, folder: &Path) -> String {
+        let said = std::fs::read_to_string(folder.join(format!("{}.txt", self.name))).unwrap_or_default();
+        let lines: Vec<_> = said.lines().collect();
+        lines[lines.len().saturating_sub(LAST_WORDS)..].join("\n")
+    }
 }
+
+/// Lines of a failed part that are shown at once: the file comes with the results of all.
+const LAST_WORDS: usize = 20;
 
 /// What an earlier proof of the same sources found.
 fn earlier(folder: &Path, sources: &str) -> Vec<Row> {
@@ -134,6 +144,9 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
                 let row = part.run(folder.stage())?;
                 let verdict = if row.passed { "passed" } else { "failed" };
                 common.say(&format!("{:<14} {:>8}  {verdict}: {}", row.part, time(row.wall_s), row.command));
+                if !row.passed {
+                    common.say(&part.last_words(folder.stage()));
+                }
                 rows.retain(|earlier| earlier.part != row.part);
                 rows.push(row);
             }
