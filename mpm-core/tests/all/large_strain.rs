@@ -284,7 +284,7 @@ fn an_open_balance_ends_a_run_long_before_its_next_sample() {
 
 #[test]
 fn no_run_ends_well_with_a_balance_that_was_open_at_one_of_its_samples() {
-    let stage = "[[stages]]\ndrained = [\"top\"]\nuntil.time_factor = 0.1\n";
+    let stage = "[[stages]]\ndrained = [\"top\"]\nuntil.time_factor = 0.01\n";
     let rest = format!("{SOIL}\n{WATER}\n[surcharge]\npressure = 500.0\n{}", stage.repeat(2));
     for integrator in ["semi-implicit", "quasi-static"] {
         let scene = soft(integrator, 0.24, "undrained-equilibrium", &rest);

@@ -69,7 +69,7 @@ fn shortened(scene: Scene) -> Scene {
     }
     if dt.is_finite() {
         let most =
-            if scene.integrator == Integrator::Implicit { 1e4 } else { 1e6 } / scene.solid_particles() as f64 * dt;
+            if scene.integrator == Integrator::Implicit { 3e3 } else { 3e5 } / scene.solid_particles() as f64 * dt;
         let last = scene.stages.len() - 1;
         if let Until::Time(end) = scene.stages[last].until {
             let end = end.min(most.max(40.0 * dt));
@@ -85,14 +85,14 @@ fn shortened(scene: Scene) -> Scene {
     scene
 }
 
-/// Some sixty pieces, or as many as there are looks; none for a load that the shape cannot bear.
+/// Some twenty pieces, or as many as there are looks; none for a load that the shape cannot bear.
 fn same(hardware: &Hardware, scene: &Scene, name: &str) -> Option<usize> {
     let mut goes_on = Stops { every: 0, looks: 0, state: None };
     let whole = match run_monitored(hardware, scene, None, &mut goes_on) {
         Err(StartError::Load(_)) => return None,
         run => run.expect("a run"),
     };
-    let (pieced, pieces) = in_pieces(hardware, scene, (goes_on.looks / 60).max(1));
+    let (pieced, pieces) = in_pieces(hardware, scene, (goes_on.looks / 20).max(1));
     the_same(&whole, &pieced, name);
     Some(pieces)
 }
