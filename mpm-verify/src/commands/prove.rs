@@ -49,6 +49,8 @@ const PARTS: [Part; 11] = [
 ];
 /// How many of them are run where none is named.
 const DAILY: usize = 7;
+/// Lines of a failed part that are shown at once: its log is there when all parts have run.
+const LAST_WORDS: usize = 20;
 
 /// Which parts.
 #[derive(Debug, Clone, Args)]
@@ -109,16 +111,13 @@ impl Part {
         Ok(Row { part: self.name.to_owned(), command, wall_s, passed: status.success() })
     }
 
-    /// The end of what it said.
+    /// The last lines of the part's log in a folder.
     fn last_words(&self, folder: &Path) -> String {
         let said = std::fs::read_to_string(folder.join(format!("{}.txt", self.name))).unwrap_or_default();
         let lines: Vec<_> = said.lines().collect();
         lines[lines.len().saturating_sub(LAST_WORDS)..].join("\n")
     }
 }
-
-/// Lines of a failed part that are shown at once: the file comes with the results of all.
-const LAST_WORDS: usize = 20;
 
 /// What an earlier proof of the same sources found.
 fn earlier(folder: &Path, sources: &str) -> Vec<Row> {

@@ -625,6 +625,25 @@ mod tests {
     }
 
     #[test]
+    fn scenes_of_one_column_share_its_solution_and_each_other_column_has_its_own() {
+        let base = scene("terzaghi-quasi-static");
+        let of = |edit: &dyn Fn(&mut Fields)| {
+            let mut fields = Fields::clone(&base);
+            edit(&mut fields);
+            Arc::clone(&Column::of(&fields).expect("a column").meshes[0])
+        };
+        let first = of(&|_| {});
+        assert!(Arc::ptr_eq(&first, &of(&|scene| (scene.cell, scene.particles_per_cell) = (0.5 * scene.cell, 9))));
+        let others: [&dyn Fn(&mut Fields); 4] = [
+            &|scene| scene.surcharge.as_mut().expect("a load").pressure *= 2.0,
+            &|scene| scene.porosity += 0.01,
+            &|scene| scene.stages[0].drained[Side::Bottom as usize] ^= true,
+            &|scene| scene.observe_times.truncate(1),
+        ];
+        assert!(others.iter().all(|edit| !Arc::ptr_eq(&first, &of(edit))));
+    }
+
+    #[test]
     fn it_is_the_closed_form_where_there_is_one() {
         for (name, double) in [("terzaghi-quasi-static", true), ("terzaghi-ramp", false)] {
             let edit = |scene: &mut Fields| {
