@@ -59,6 +59,8 @@ pub struct Run {
     pub solid_particles: usize,
     /// Bytes held by particles and mesh.
     pub bytes: usize,
+    /// Where the solid particles were at t = 0, m: x and y, in the order of [`Places::solid`].
+    pub starts: Vec<[f64; 2]>,
     /// Where the particles were at the end.
     pub places: Places,
     /// Whether the balances closed; nothing before the first sample.
@@ -154,6 +156,7 @@ impl<'a> Drive<'a> {
             work: Work::default(),
             solid_particles: model.solid_count(),
             bytes: model.bytes(),
+            starts: model.places().solid.iter().map(|[x, y, _]| [*x, *y]).collect(),
             places: Places::default(),
             trust: None,
             failure: None,

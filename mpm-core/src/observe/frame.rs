@@ -21,22 +21,22 @@ pub struct Frame {
     pub cell: Vec<CellState>,
 }
 
-/// A particle of the solid layer.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+/// A particle of the solid layer. What its run does not compute is not a number: no value stands for one that nobody knows.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SolidState {
     /// Number it was seeded with.
     pub id: u32,
-    /// Position, m.
+    /// Position, m; that of t = 0 at small strain.
     pub x: [f64; 2],
-    /// Displacement since counting began, m.
+    /// Displacement since counting began, m; not a number from stepped integrators that have not begun to count.
     pub displacement: [f64; 2],
-    /// Velocity, m/s.
+    /// Velocity, m/s; not a number without inertia.
     pub velocity: [f64; 2],
     /// Effective stress xx, yy, zz, xy, Pa, tension positive.
     pub stress: [f64; 4],
-    /// Pore pressure that its cell feels, Pa.
+    /// Pore pressure that its cell feels, Pa; not a number without water.
     pub pore_pressure: f64,
-    /// Deviator strain sqrt(2/3 e:e) since counting began, without unit.
+    /// Deviator strain sqrt(2/3 e:e) since counting began, without unit; not a number where it is not counted.
     pub deviator_strain: f64,
     /// Volume of soil, m3.
     pub volume: f64,

@@ -166,7 +166,8 @@ impl<const D: usize> Body<D> {
         let two = |v: &[f64; D]| [if D == 2 { v[0] } else { 0.0 }, v[D - 1]];
         let mut states = Vec::with_capacity(self.solid.points.len());
         for (soil, _) in self.cells() {
-            let (pore_pressure, _) = self.water_in(&soil, free);
+            let wet = self.water.is_some() || free.is_some();
+            let pore_pressure = if wet { self.water_in(&soil, free).0 } else { f64::NAN };
             states.extend(self.solid.range(soil.cell).map(|index| {
                 let point = &self.solid.points[index];
                 SolidState {
@@ -175,9 +176,10 @@ impl<const D: usize> Body<D> {
                     velocity: two(&point.v),
                     stress: point.stress,
                     pore_pressure,
+                    displacement: [f64::NAN; 2],
+                    deviator_strain: f64::NAN,
                     volume: point.volume,
                     mass: point.mass,
-                    ..SolidState::default()
                 }
             }));
         }

@@ -20,6 +20,6 @@ pub fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, Error> {
     let mut html = String::new();
     let config = RenderConfig { display_mode, ..RenderConfig::default() };
     push_mathml(&mut html, events.into_iter().map(Ok::<_, Infallible>), config).map_err(|why| wrong(&why))?;
-    // It leaves this one sign as it is.
-    Ok(html.replace("><<", ">&lt;<"))
+    // It leaves this one sign as it is, and writes a space without break as an entity whose sign is then escaped.
+    Ok(html.replace("><<", ">&lt;<").replace("&amp;nbsp;", "\u{a0}"))
 }

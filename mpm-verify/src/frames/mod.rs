@@ -52,14 +52,15 @@ impl Recorded {
         Self { shots: Vec::new(), cells: scene.cells, size: scene.cell }
     }
 
-    /// Takes a frame of the particles at a time, s since the start. Displacements count from the first frame.
+    /// Takes a frame of the particles at a time, s since the start. Displacements that the run does not count are those from the first frame.
     pub fn take(&mut self, model: &dyn Model, time_s: f64) {
         let (mut solid, water) = (model.particles(), model.water_particles());
         solid.sort_by_key(|p| p.id);
-        if let Some(first) = self.shots.first().map(|shot| &shot.frame.solid).filter(|f| f.len() == solid.len()) {
-            for (now, then) in solid.iter_mut().zip(first) {
-                now.displacement = [0, 1].map(|axis| now.x[axis] - then.x[axis]);
-            }
+        let first = self.shots.first().map_or_else(|| solid.clone(), |shot| shot.frame.solid.clone());
+        for (now, then) in
+            solid.iter_mut().zip(&first).filter(|(now, then)| now.displacement[0].is_nan() && now.id == then.id)
+        {
+            now.displacement = [0, 1].map(|axis| now.x[axis] - then.x[axis]);
         }
         let frame = Frame { time_s, step: 0, cells: self.cells, size: self.size, solid, water, cell: Vec::new() };
         self.shots.push(Shot { phase: String::new(), time_s, frame });

@@ -93,7 +93,7 @@ pub fn write(plan: &Plan, run: &Followed, folder: &Path) -> Result<Vec<Picture>,
             let mut figure = changes::figure(&site, &shots, shown);
             if papers {
                 figure.name = papers_name(shown);
-                figure.title.push_str(", at the paper's times");
+                figure.title.push_str(", at the times of the paper's Fig. 7");
             }
             changes::write(&figure, &shots, shown, folder)?;
             all.push(Picture { figure, is_light: false });

@@ -45,7 +45,7 @@ pub fn all(scene: &Scene, run: &Run) -> Vec<Field> {
             column: "mean_effective_stress_kpa",
             range: None,
             spacing: scene.spacing(),
-            per_row: scene.outline.is_none().then(|| scene.cells[0] * scene.particles_per_direction()),
+            starts: run.starts.clone(),
             points: kilo(&places.solid, -1.0),
             lines: lines.clone(),
         },
@@ -57,7 +57,7 @@ pub fn all(scene: &Scene, run: &Run) -> Vec<Field> {
             column: "pore_pressure_kpa",
             range: None,
             spacing,
-            per_row: None,
+            starts: Vec::new(),
             points: kilo(water, 1.0),
             lines: lines.clone(),
         },
@@ -69,7 +69,7 @@ pub fn all(scene: &Scene, run: &Run) -> Vec<Field> {
             column: "effective_saturation",
             range: None,
             spacing: scene.cell,
-            per_row: None,
+            starts: Vec::new(),
             points: field.iter().filter(|_| unsaturated).map(|at| [at.x_m, at.y_m, at.saturation]).collect(),
             lines,
         },
@@ -100,4 +100,75 @@ fn surface(scene: &Scene, run: &Run) -> Vec<(f64, f64)> {
     }
     let places = levels.iter().enumerate().filter(|(_, level)| **level > 0.0);
     places.map(|(i, level)| ((i as f64 + 0.5) * scene.cell, *level)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::plots::figure::Mark;
+    use crate::report::tests::{INTEGRATORS, block};
+
+    /// Polygons of a map: its pieces, and squares where it has none.
+    fn pieces(map: &Field) -> Vec<Vec<(f64, f64)>> {
+        let figure = crate::report::plots::field::figure(map);
+        let half = 0.5 * map.spacing;
+        let square = |x: f64, y: f64| {
+            vec![(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)]
+        };
+        let mut all = Vec::new();
+        for series in &figure.panels[0].series {
+            let points: Vec<(f64, f64)> = series.points.iter().map(|p| (p.x, p.y)).collect();
+            match series.mark {
+                Mark::Tiles => all.extend(points.chunks(4).map(<[_]>::to_vec)),
+                Mark::Points => all.extend(points.iter().map(|(x, y)| square(*x, *y))),
+                _ => {}
+            }
+        }
+        all
+    }
+
+    /// Whatever integrator lists its particles in whatever order: the pieces of soil cover what the soil fills, and each place once.
+    #[test]
+    fn pieces_of_soil_cover_the_soil_and_do_not_overlap() {
+        const SHAPES: [&str; 7] = ["centre", "centroid", "linear", "b-bar", "gimp", "bspline2", "bspline3"];
+        let mut drawn = std::collections::BTreeMap::new();
+        for integrator in INTEGRATORS {
+            for (shape, outline) in SHAPES.into_iter().flat_map(|shape| [(shape, false), (shape, true)]) {
+                let text = block(integrator, shape, outline);
+                let Ok(scene) = Scene::parse(&text, "block.toml") else { continue };
+                // Some functions are not for soil that moves as far as this.
+                let Ok(run) = mpm_core::run::run(&scene, &mut |_| ()) else { continue };
+                let run = run.whole().expect("its end");
+                let map = all(&scene, &run).remove(0);
+                let pieces = pieces(&map);
+                assert_eq!(pieces.len(), run.solid_particles);
+                let moved = run.starts.iter().zip(&run.places.solid).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
+                let moved = moved.fold(0.0, f64::max) / map.spacing;
+                *drawn.entry(integrator).or_insert(0.0_f64) = drawn.get(integrator).copied().unwrap_or(0.0).max(moved);
+                let area: f64 = pieces
+                    .iter()
+                    .map(|p| mpm_core::seeding::area(&p.iter().map(|(x, y)| [*x, *y]).collect::<Vec<_>>()))
+                    .sum();
+                let whole = mpm_core::seeding::area(&scene.outline_or_box());
+                assert!((area / whole - 1.0).abs() < 0.15, "{integrator} {shape} {outline}: {area} of {whole} m2");
+                // Places on no edge of the mesh, away from where the soil may have moved to.
+                let mut off = 0;
+                let places = (0..400).map(|k| [(k % 20) as f64, (k / 20) as f64].map(|i| 0.0513 * i + 0.0117));
+                let corners = scene.outline_or_box();
+                let deep = |x: &[f64; 2]| {
+                    [-1.0, 1.0].iter().all(|s| mpm_core::seeding::inside(&corners, &[x[0], x[1] + s * 0.13]))
+                };
+                let inner: Vec<_> = places.filter(deep).collect();
+                for x in &inner {
+                    let holds = |p: &&Vec<(f64, f64)>| {
+                        mpm_core::seeding::inside(&p.iter().map(|(x, y)| [*x, *y]).collect::<Vec<_>>(), x)
+                    };
+                    off += usize::from(pieces.iter().filter(holds).count() != 1);
+                }
+                assert!(off * 50 <= inner.len(), "{integrator} {shape} {outline}: {off} of {} places", inner.len());
+            }
+        }
+        assert_eq!(drawn.len(), INTEGRATORS.len(), "{drawn:?}");
+        assert!(drawn.iter().filter(|(name, _)| **name != "staggered").all(|(_, moved)| *moved > 0.1), "{drawn:?}");
+    }
 }

@@ -3,6 +3,7 @@
 use mpm_core::observe::SolidState;
 
 use crate::frames::{Shot, mean_stress};
+use crate::report::numbers::brief;
 
 /// A quantity of a solid particle.
 #[derive(Debug, Clone, Copy)]
@@ -17,6 +18,8 @@ pub struct Quantity {
     pub column: &'static str,
     /// Its value in that unit.
     pub of: fn(&SolidState) -> f64,
+    /// Least value at the top of its colour scale: nothing that happens to a slope is smaller, and has no bright colour.
+    pub least: f64,
 }
 
 /// Deviator strain since counting began, without unit.
@@ -26,6 +29,7 @@ pub const STRAIN: Quantity = Quantity {
     label: "deviator strain",
     column: "deviator_strain",
     of: |p| p.deviator_strain,
+    least: 1e-2,
 };
 
 /// Pore pressure, kPa.
@@ -35,6 +39,7 @@ pub const PRESSURE: Quantity = Quantity {
     label: "pore pressure (kPa)",
     column: "pore_pressure_kpa",
     of: |p| p.pore_pressure / 1e3,
+    least: 0.1,
 };
 
 /// Length of the displacement since counting began, m.
@@ -44,6 +49,7 @@ pub const DISPLACEMENT: Quantity = Quantity {
     label: "displacement (m)",
     column: "displacement_m",
     of: |p| p.displacement[0].hypot(p.displacement[1]),
+    least: 1e-3,
 };
 
 /// Mean effective stress, kPa, compression positive.
@@ -53,6 +59,7 @@ pub const MEAN_STRESS: Quantity = Quantity {
     label: "mean effective stress (kPa)",
     column: "mean_effective_stress_kpa",
     of: |p| mean_stress(p) / 1e3,
+    least: 0.1,
 };
 
 /// Logarithm (base 10) of the speed in m/s.
@@ -62,6 +69,7 @@ pub const SPEED: Quantity = Quantity {
     label: "speed (m/s, powers of 10)",
     column: "log10_speed_m_s",
     of: |p| p.velocity[0].hypot(p.velocity[1]).log10(),
+    least: 1.0,
 };
 
 /// All that have pictures of their own.
@@ -80,9 +88,17 @@ impl PartialEq for Quantity {
 }
 
 impl Quantity {
-    /// Values at the ends of its colour scale, one for all frames: zero, and the largest 99.5th percentile of a frame.
+    /// Values at the ends of its colour scale, one for all frames: zero, and the largest 99.5th percentile of a frame, or `least`.
     pub fn range<'a>(&self, shots: impl IntoIterator<Item = &'a Shot>) -> (f64, f64) {
-        range(shots, self.of)
+        let (low, high) = range(shots, self.of);
+        (low, high.max(self.least))
+    }
+
+    /// What is said of a colour scale that ends below some values of the frames; nothing of another.
+    pub fn clipped(&self, shots: &[&Shot], (_, high): (f64, f64)) -> String {
+        let values = shots.iter().flat_map(|shot| shot.frame.solid.iter().map(self.of)).filter(|v| v.is_finite());
+        let most = values.fold(high, f64::max);
+        if most > high { format!(" {CLIPPED}: {} goes up to {}.", self.label, brief(most, 3)) } else { String::new() }
     }
 }
 
@@ -117,6 +133,12 @@ mod tests {
         assert_eq!(robust((0..=1000).map(f64::from)), Some((5.0, 995.0)));
         assert_eq!(robust([f64::NAN].into_iter()), None);
         assert_eq!(STRAIN.range(&[]), (0.0, 1.0));
+        let few: Vec<&Shot> = shots.iter().collect();
+        assert_eq!(DISPLACEMENT.clipped(&few, (0.0, 2e3)), "");
+        assert!(DISPLACEMENT.clipped(&few, (0.0, 2.0)).ends_with("displacement (m) goes up to 1000."));
+        // Strains of a slope that stands are no band of failure.
+        shots[0].frame.solid.iter_mut().for_each(|p| p.deviator_strain *= 1e-3);
+        assert_eq!(STRAIN.range(&shots[..1]), (0.0, 1e-2));
     }
 
     #[test]
@@ -125,7 +147,8 @@ mod tests {
             stress: [-1e3, -2e3, -3e3, 5e2],
             pore_pressure: 4e3,
             displacement: [3.0, -4.0],
-            ..SolidState::default()
+            deviator_strain: 0.0,
+            ..made_up::shots(1, 0)[0].frame.solid[0]
         };
         assert_eq!(ALL.map(|q| (q.of)(&soil)), [0.0, 4.0, 5.0, 2.0]);
         assert_eq!((SPEED.of)(&SolidState { velocity: [0.06, 0.08], ..soil }), -1.0);

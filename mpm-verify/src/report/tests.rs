@@ -18,6 +18,30 @@ const CONTRACT: &str = "case,integrator,scheme,load,mesh_m,ppc,particles,dt_s,st
 late_error_terzaghi,max_error_compressible,late_error_compressible,profile_error_compressible,settlement_final_m,\
 cell_crossings,cpu_s,ns_per_point_step";
 
+/// Integrators of scenes that do not fail.
+pub const INTEGRATORS: [&str; 5] = ["explicit", "semi-implicit", "quasi-static", "implicit", "staggered"];
+
+/// A scene file: a soft block under its weight and a strip load, or a step of soil with an outline under its weight.
+pub fn block(integrator: &str, shape: &str, outline: bool) -> String {
+    let (free, wet) = (integrator == "staggered", matches!(integrator, "semi-implicit" | "staggered"));
+    let stepped = "geometry.outline.points = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.5, 0.5], [0.5, 1.0], [0.0, 1.0]]";
+    let strip = "surcharge = { pressure = 5e3, on = \"surface\", strip = { from = 0.0, to = 0.5 } }";
+    let water = "[water]\nhydraulic_conductivity = 1e-3\nbulk_modulus = 2e6\nunit_weight = 9810.0\n";
+    format!(
+        "name = \"block\"\ndimension = \"plane-strain\"\nstart = \"unloaded\"\ngravity = 9.81\n{}\n{}\n\
+         mesh = {{ cell = 0.25, particles_per_cell = 4 }}\n\
+         boundaries = {{ left = \"roller\", right = \"roller\", bottom = \"fixed\" }}\n\
+         scheme.shape = \"{shape}\"\ntime.integrator = \"{integrator}\"\n\
+         [soil]\ngrain_density = 1800.0\nporosity = 0.3\n\
+         law.linear_elastic = {{ youngs_modulus = 2.5e5, poisson_ratio = 0.3 }}\n{}{}[[stages]]\n{}until.time = 0.1\n",
+        if outline { stepped } else { "geometry.column = { height = 1.0, width = 1.0 }" },
+        if free || outline { "" } else { strip },
+        if wet { water } else { "" },
+        if free { "free_surface.level = 0.4\n" } else { "" },
+        if wet { "drained = [\"top\"]\n" } else { "" },
+    )
+}
+
 /// A run whose U is too small by a share of L.
 fn run(mesh: f64, ppc: usize, load: &str, variant: Variant) -> CaseResult {
     let scene = crate::scenes::terzaghi();

@@ -168,7 +168,7 @@ impl Shown<'_> {
             column: "relative_shear_rate",
             range: Some((0.0, 1.0)),
             spacing: self.scene.spacing(),
-            per_row: None,
+            starts: Vec::new(),
             points: davis.mechanism.iter().map(|p| [p.x[0], p.x[1], shown(p.shear_rate / most)]).collect(),
             lines,
         }

@@ -19,7 +19,6 @@ use mpm_core::observe::{BalanceTerms, ProfileRow};
 use mpm_core::run::{StartError, run, run_monitored};
 use mpm_core::scene::{Integrator, Scene, ShapeChoice};
 use mpm_core::stability::{choose_step, stable_limit};
-use mpm_core::step::Work;
 use serde::Serialize;
 
 pub use plan::{Case, Extent, Family, INTEGRATORS, MESHES, Plan, SHAPES, TOLERANCE, case_name};
@@ -157,19 +156,7 @@ fn timed(scene: &Scene, at_most: usize, watched: &mut Watched) -> Result<Option<
 
 /// A run that ended before its first step.
 fn nothing(scene: &Scene, failure: mpm_core::error::RunError) -> Run {
-    Run {
-        samples: Vec::new(),
-        stages: Vec::new(),
-        dt: f64::NAN,
-        steps: 0,
-        work: Work::default(),
-        solid_particles: scene.solid_particles(),
-        bytes: 0,
-        places: mpm_core::observe::Places::default(),
-        trust: None,
-        failure: Some(failure),
-        stopped: false,
-    }
+    Run { dt: f64::NAN, solid_particles: scene.solid_particles(), failure: Some(failure), ..Run::default() }
 }
 
 /// Terzaghi's solutions of a case, with incompressible and with compressible water.

@@ -49,7 +49,7 @@ use crate::scene::{Integrator, Scene, SolidSide, Stage, StepChoice, StrainChoice
 /// What a quasi-static run is made of.
 #[derive(Debug)]
 pub struct Seeding<L, const D: usize> {
-    /// Solid particles at t = 0, row by row from the base up.
+    /// Solid particles at t = 0, cell by cell.
     pub points: Vec<SolidPoint<D>>,
     /// Law of the skeleton, or those of its layers.
     pub law: Materials<L>,
@@ -358,17 +358,7 @@ impl<L: Law, const D: usize> Model for QuasiStatic<L, D> {
     }
 
     fn particles(&self) -> Vec<SolidState> {
-        let pressure = |i: usize| self.soil.as_ref().map_or(0.0, |soil| self.pressure_at(soil, &self.points[i].x));
-        let state = |(i, point): (usize, SolidPoint<D>)| SolidState {
-            id: i as u32,
-            x: in_two(&point.x),
-            stress: point.stress,
-            pore_pressure: pressure(i),
-            volume: point.volume,
-            mass: point.mass,
-            ..SolidState::default()
-        };
-        self.points_now().into_iter().enumerate().map(state).collect()
+        self.states()
     }
 
     fn observe(&self) -> (Observation, BalanceTerms) {

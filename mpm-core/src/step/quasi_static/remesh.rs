@@ -157,14 +157,12 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
             if let Some(motion) = &soil.motion {
                 point.v = part.stencil.vector(&motion.velocity);
             }
+            let moved = part.stencil.vector(&soil.u);
+            (0..D).for_each(|d| self.carried[i][d] += moved[d]);
             if large {
-                let moved = part.stencil.vector(&soil.u);
                 let stretched = stretch(&part.stencil.gradient(&soil.u));
                 point.volume *= stretched.map_or(1.0, |s| s.volume);
-                for d in 0..D {
-                    point.x[d] += moved[d];
-                    self.carried[i][d] += moved[d];
-                }
+                (0..D).for_each(|d| point.x[d] += moved[d]);
             }
         }
         if !large {

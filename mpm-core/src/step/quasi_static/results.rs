@@ -6,7 +6,8 @@ use super::motion::{WaterInertia, forward};
 use super::soil::{InsideOut, Soil};
 use super::{Method, QuasiStatic, build};
 use crate::constitutive::Law;
-use crate::observe::{CellValues, FieldPoint, Observation, checkerboard, profile};
+use crate::dimension::in_two;
+use crate::observe::{CellValues, FieldPoint, Observation, SolidState, checkerboard, profile};
 use crate::particles::SolidPoint;
 use crate::real::{array_of, map_of};
 use crate::scene::Integrator;
@@ -133,6 +134,35 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
         }
     }
 
+    /// The particles with all that pictures show of them. Before the first stage there is no mesh yet, and the scene says what they have.
+    pub(super) fn states(&self) -> Vec<SolidState> {
+        const UNKNOWN: f64 = f64::NAN;
+        let (soil, scene) = (self.soil.as_ref(), &self.scene);
+        let state = |(i, point): (usize, SolidPoint<D>)| {
+            let since = soil.map_or([0.0; D], |soil| soil.solid[i].stencil.vector(&soil.u));
+            SolidState {
+                id: i as u32,
+                x: in_two(&point.x),
+                displacement: in_two(&array_of::<f64, D, _>(|d| self.carried[i][d] + since[d])),
+                velocity: match scene.integrator {
+                    Integrator::QuasiStatic => [UNKNOWN; 2],
+                    _ if soil.is_none() => scene.start_velocity.unwrap_or_default(),
+                    _ => in_two(&point.v),
+                },
+                stress: point.stress,
+                pore_pressure: match soil {
+                    _ if scene.water.is_none() => UNKNOWN,
+                    None => (self.seeding.first_pressure)(scene, in_two(&point.x)),
+                    Some(soil) => self.pressure_at(soil, &self.points[i].x),
+                },
+                deviator_strain: UNKNOWN,
+                volume: point.volume,
+                mass: point.mass,
+            }
+        };
+        self.points_now().into_iter().enumerate().map(state).collect()
+    }
+
     /// Every cell of the mesh: its soil and water.
     pub(super) fn cell_values(&self) -> Vec<CellValues<D>> {
         let Some(soil) = &self.soil else { return Vec::new() };
@@ -160,7 +190,9 @@ impl<L: Law, const D: usize> QuasiStatic<L, D> {
                 }
             };
             values.volume += volume;
-            shift[cell] += volume * self.carried[i][D - 1];
+            if !soil.small {
+                shift[cell] += volume * self.carried[i][D - 1];
+            }
         }
         for (cell, (values, here)) in cells.iter_mut().zip(&self.sites.middles).enumerate() {
             values.effective_stress /= values.volume;

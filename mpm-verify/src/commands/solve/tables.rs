@@ -135,7 +135,7 @@ pub fn write_state(scene: &Scene, end: &[SolidState], path: &Path) -> Result<(),
     let from = usize::from(scene.dimension == Dimension::Column);
     writer.write_record(names.skip(from)).map_err(Failure::run_failed)?;
     for SolidState { x: [x, y], pore_pressure, stress: [xx, yy, zz, xy], .. } in end {
-        let row = [x, y, pore_pressure, xx, yy, zz, xy];
+        let row = [x, y, if scene.water.is_some() { pore_pressure } else { &0.0 }, xx, yy, zz, xy];
         writer.write_record(row.iter().skip(from).map(|number| format!("{number:e}"))).map_err(Failure::run_failed)?;
     }
     writer.flush().map_err(Failure::run_failed)

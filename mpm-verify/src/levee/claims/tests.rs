@@ -32,12 +32,15 @@ impl Run {
     /// As the paper says.
     fn papers() -> Self {
         let soil = |x: f64, moved: f64, strain: f64| SolidState {
+            id: 0,
+            velocity: [0.0; 2],
+            stress: [0.0; 4],
+            volume: 0.0,
             x: [x + moved, 0.1],
             displacement: [moved, 0.0],
             pore_pressure: 500.0,
             deviator_strain: strain,
             mass: 1.0,
-            ..SolidState::default()
         };
         let shot = |hours: f64, moved: f64| {
             let mut toe = soil(8.8, moved, moved);

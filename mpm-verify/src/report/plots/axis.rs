@@ -105,7 +105,9 @@ impl Axis {
     fn power(&self) -> i32 {
         let (start, end) = self.range.unwrap_or((0.0, 1.0));
         let most = start.abs().max(end.abs());
-        if self.scale == Scale::Log || self.named.is_some() || most == 0.0 || READABLE.contains(&most) {
+        // Without a label nothing would say what is left out.
+        let is_bare = self.label.is_empty() && !self.quiet;
+        if self.scale == Scale::Log || self.named.is_some() || is_bare || most == 0.0 || READABLE.contains(&most) {
             return 0;
         }
         3 * (most.log10() / 3.0).floor() as i32
@@ -119,7 +121,6 @@ impl Axis {
             power => power_of_ten(power),
         };
         match self.label.rsplit_once(" (") {
-            _ if self.label.is_empty() => power,
             Some((quantity, "-)" | "–)")) => format!("{quantity} ({power})"),
             Some((quantity, unit)) => format!("{quantity} ({power} {unit}"),
             None => format!("{} ({power})", self.label),
@@ -195,11 +196,11 @@ mod tests {
         assert_eq!(texts(&small), ["0", "200", "400", "600", "800"]);
         assert!((small.ticks()[1].0 - 2e-10).abs() < 1e-22);
         let titles =
-            [("settlement (m)", 8.1e-10), ("time (s)", 2.1e7), ("error", 3e-6), ("share (-)", 3e-6), ("", 3e6)];
+            [("settlement (m)", 8.1e-10), ("time (s)", 2.1e7), ("error", 3e-6), ("share (-)", 3e-6), ("", 3e-6)];
         let titles = titles.map(|(label, end)| axis(label, end).title());
-        assert_eq!(titles, ["settlement (10⁻¹² m)", "time (10⁶ s)", "error (10⁻⁶)", "share (10⁻⁶)", "10⁶"]);
+        assert_eq!(titles, ["settlement (10⁻¹² m)", "time (10⁶ s)", "error (10⁻⁶)", "share (10⁻⁶)", ""]);
         assert_eq!(axis("pressure (kPa)", 5e4).title(), "pressure (kPa)");
-        assert_eq!(texts(&axis("", 2.1e7)), ["0", "5", "10", "15", "20"]);
+        assert_eq!(texts(&axis("time (s)", 2.1e7)), ["0", "5", "10", "15", "20"]);
     }
 
     #[test]

@@ -13,17 +13,24 @@ const PROFILES: usize = 5;
 /// Fewer points are marked one by one.
 const FEW: usize = 60;
 
+/// Panels, and what is seen in them.
+struct Drawn {
+    what: String,
+    caption: &'static str,
+    panels: Vec<Panel>,
+}
+
 /// Computed and exact curves, and their difference; `None` where a case has no numbers at places or times.
 pub fn curves(judged: &Judged) -> Option<Figure> {
     super::ready();
-    let panels = match judged.comparisons.iter().find(|comparison| is_profile(comparison)) {
+    let Drawn { what, caption, panels } = match judged.comparisons.iter().find(|comparison| is_profile(comparison)) {
         Some(profile) => profiles(profile),
-        None => over_time(&samples(judged), judged.comparisons.is_empty()),
+        None => over_time(judged)?,
     };
     (!panels.is_empty()).then(|| Figure {
         name: "curves",
-        title: format!("{}: computed and exact", judged.case.name),
-        caption: "Markers: the finest run; lines: the reference; right: their difference.".to_owned(),
+        title: format!("{}: {what}", judged.case.name),
+        caption: caption.to_owned(),
         height: 290.0,
         panels,
         missing: Vec::new(),
@@ -50,21 +57,24 @@ pub fn fields(judged: &Judged) -> Vec<Field> {
     let differences: Vec<f64> = row.computed.iter().zip(&row.exact).map(|(a, b)| a - b).collect();
     let field = |name: &'static str, what: &str, values: &[f64], range: Option<(f64, f64)>| Field {
         name,
-        title: format!("{}: {what} at t = {} s", judged.case.name, brief(row.time, 4)),
-        caption: format!("{}.", capital(&comparison.quantity)),
+        title: format!("{}: {}, {what}, at t = {} s", judged.case.name, comparison.quantity, brief(row.time, 4)),
+        caption: format!("{what}: {}.", comparison.quantity),
         quantity: comparison.quantity.clone(),
         column: "value",
         range,
         spacing,
-        per_row: None,
+        starts: Vec::new(),
         points: row.places.iter().zip(values).map(|(place, value)| [place[0], place[1], *value]).collect(),
         lines: Vec::new(),
     };
-    let same = (exact.1 > exact.0).then_some(exact);
+    // Differences that are round-off of what is compared have no colours.
+    let least = 1e-12 * f64::max(exact.0.abs(), exact.1.abs());
+    let off = Some((-least, least)).filter(|_| differences.iter().all(|d| d.abs() <= least));
+    let same = Some(exact);
     vec![
         field("field-computed", "computed", &row.computed, same),
         field("field-exact", "exact", &row.exact, same),
-        field("field-difference", "computed less exact", &differences, None),
+        field("field-difference", "computed less exact", &differences, off),
     ]
 }
 
@@ -77,18 +87,19 @@ fn is_profile(comparison: &Comparison) -> bool {
     comparison.rows.iter().any(|row| is_along(row, 0) || is_along(row, 1))
 }
 
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
 /// What is shown over time: the comparisons with one number at a time, else the samples that the case gives.
 fn samples(judged: &Judged) -> Vec<Sampled> {
     let counting = judged.samples.iter().any(|s| s.counts);
     judged.samples.iter().filter(|s| s.counts == counting).cloned().collect()
 }
 
-fn over_time(samples: &[Sampled], values_too: bool) -> Vec<Panel> {
+/// Fewest times that make a curve of errors.
+const TIMES: usize = 3;
+
+/// Numbers over time with their errors. Of a field only the place that is furthest off is known: values at places that change make no curve.
+fn over_time(judged: &Judged) -> Option<Drawn> {
+    let (samples, moves) =
+        (samples(judged), judged.comparisons.iter().flat_map(|c| &c.rows).any(|row| row.exact.len() > 1));
     let factor = samples.iter().all(|s| s.factor.is_some_and(|factor| factor > 0.0));
     let time = || match factor {
         true => Axis::log("time factor Tv", "time_factor"),
@@ -137,17 +148,26 @@ fn over_time(samples: &[Sampled], values_too: bool) -> Vec<Panel> {
             .unlisted(),
         );
     }
-    // Of a field only the place that is furthest off is known: values at places that change make no curve.
-    let moves = samples.iter().any(|s| s.quantity.ends_with("furthest off"));
-    match (values.is_empty() || samples.len() < 2, moves && !values_too) {
-        (true, _) => Vec::new(),
-        (_, true) => vec![errors],
-        (_, false) => vec![values, errors],
+    let mut times: Vec<f64> = samples.iter().map(place).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let over = if factor { "the time factor" } else { "time" };
+    if moves {
+        return (times.len() >= TIMES).then(|| Drawn {
+            what: format!("error over {over}"),
+            caption: "Error of the finest run where it is furthest off, as the case counts it.",
+            panels: vec![errors],
+        });
     }
+    (times.len() > 1 && !values.is_empty()).then(|| Drawn {
+        what: format!("{named} over {over}, computed and exact"),
+        caption: "Markers: the finest run; dashed: the exact solution. Right: the error as the case counts it.",
+        panels: vec![values, errors],
+    })
 }
 
 /// Values over the height, or along a line on the base.
-fn profiles(comparison: &Comparison) -> Vec<Panel> {
+fn profiles(comparison: &Comparison) -> Drawn {
     let rows: Vec<&Compared> = comparison.rows.iter().filter(|row| row.places.len() > 1).collect();
     let every = rows.len().div_ceil(PROFILES).max(1);
     let level = rows.iter().all(|row| is_along(row, 1));
@@ -178,5 +198,10 @@ fn profiles(comparison: &Comparison) -> Vec<Panel> {
         let off = row.computed.iter().zip(&row.exact).map(|(a, b)| a - b).zip(&row.places).map(point);
         errors.add(Series::new(label, look::nth(nth).radius(2.4), Mark::LinePoints, off).unlisted());
     }
-    vec![values, errors]
+    let over = if level { "along the base" } else { "over the height" };
+    Drawn {
+        what: format!("{}{unit} {over}, computed and exact", comparison.quantity),
+        caption: "Markers: the finest run; lines of the same colour: the exact solution. Right: computed less exact.",
+        panels: vec![values, errors],
+    }
 }

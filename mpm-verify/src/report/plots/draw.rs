@@ -130,7 +130,10 @@ fn draw_panel<DB: DrawingBackend>(
     canvas.mark_panel(number, frame)?;
     let view = View { panel, frame };
     view.grid(canvas)?;
-    for series in &panel.series {
+    // What is filled would hide what is drawn before it.
+    let (areas, others): (Vec<&Series>, Vec<&Series>) =
+        panel.series.iter().partition(|series| series.mark == Mark::Area);
+    for series in areas.into_iter().chain(others) {
         canvas.mark(&format!("series {}", series.label))?;
         view.series(canvas, series)?;
         canvas.mark("end")?;

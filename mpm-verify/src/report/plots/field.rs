@@ -9,7 +9,7 @@ use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{BLACK, BLUE, Dash, Look, Marker, RED};
 use super::tiles::tiles;
 use super::{colours, draw, write_drawn};
-use crate::report::numbers::exact;
+use crate::report::numbers::{brief, exact};
 use crate::report::quantity::{CLIPPED, robust};
 use crate::report::{ReportError, tables};
 
@@ -46,8 +46,8 @@ pub struct Field {
     pub range: Option<(f64, f64)>,
     /// Distance of neighbouring particles, m: how large they are drawn.
     pub spacing: f64,
-    /// How many particles stood in each row at t = 0, where they stood in rows, the lowest first.
-    pub per_row: Option<usize>,
+    /// Where the particles were at t = 0, m, in the order of `points`; empty where that is not known.
+    pub starts: Vec<[f64; 2]>,
     /// Particles: x (m), y (m), value. One whose value is not a number is left out of the picture.
     pub points: Vec<[f64; 3]>,
     /// Lines over them.
@@ -69,8 +69,9 @@ pub struct Line {
 pub fn figure(field: &Field) -> Figure {
     super::ready();
     let values = || field.points.iter().map(|p| p[2]);
-    let (low, high) = field.range.unwrap_or_else(|| range(robust(values()).into_iter().flat_map(|(a, b)| [a, b])));
-    let clipped = values().any(|value| value < low || value > high);
+    let robust = || range(robust(values()).into_iter().flat_map(|(a, b)| [a, b]));
+    let (low, high) = told_apart(field.range.unwrap_or_else(robust));
+    let (least, most) = values().filter(|v| v.is_finite()).fold((high, low), |(a, b), v| (a.min(v), b.max(v)));
     let places = || field.lines.iter().flat_map(|line| line.points.iter().copied());
     let half = 0.5 * field.spacing;
     let along = |of: fn((f64, f64)) -> f64| {
@@ -87,7 +88,7 @@ pub fn figure(field: &Field) -> Figure {
     let look = Look::new(BLACK, Marker::Square).radius((half * unit / 0.86).max(0.8));
     let (across, up) = (Axis::linear("x (m)", "x_m").range(x.0, x.1), Axis::linear("y (m)", "y_m").range(y.0, y.1));
     let mut map = Panel { share: SHARES[0], equal: true, ..Panel::new("", across, up) };
-    let tiles = field.per_row.map(|per_row| tiles(&field.points, per_row, field.spacing)).unwrap_or_default();
+    let tiles = tiles(&field.points, &field.starts, field.spacing);
     let is_tile = |k: usize| tiles.get(k).is_some_and(Option::is_some);
     let numbered = || field.points.iter().enumerate();
     let squares: Vec<_> = numbered().filter(|(k, _)| !is_tile(*k)).map(|(_, point)| *point).collect();
@@ -103,9 +104,13 @@ pub fn figure(field: &Field) -> Figure {
     Figure {
         name: field.name,
         title: field.title.clone(),
-        caption: if clipped { format!("{} {CLIPPED}.", field.caption) } else { field.caption.clone() },
+        caption: if least < low || most > high {
+            format!("{} {CLIPPED}.", field.caption)
+        } else {
+            field.caption.clone()
+        },
         height,
-        panels: vec![map, bar(field, (low, high), height)],
+        panels: vec![map, bar(field, [least, low, high, most], height)],
         missing: Vec::new(),
     }
 }
@@ -155,11 +160,14 @@ fn middle(number: usize) -> f64 {
     (number as f64 + 0.5) / SHADES as f64
 }
 
-/// The colour bar: a thick line per shade.
-fn bar(field: &Field, (low, high): (f64, f64), height: f64) -> Panel {
-    let none = Axis::linear("", "").range(0.0, 1.0).named(Vec::new());
+/// The colour bar: a thick line per shade. Of the four numbers, in their order, those in the middle are its ends, and those beyond them the
+/// values that it has no shades for, said at the end where it is clipped.
+fn bar(field: &Field, [least, low, high, most]: [f64; 4], height: f64) -> Panel {
+    let below = if least < low { format!("down to {}", brief(least, 3)) } else { String::new() };
+    let above = if most > high { format!("up to {}", brief(most, 3)) } else { String::new() };
+    let none = Axis::linear(&below, "").range(0.0, 1.0).named(Vec::new());
     let scale = Axis::linear(&field.quantity, field.column).range(low, high);
-    let mut bar = Panel { share: SHARES[1], ..Panel::new("", none, scale) };
+    let mut bar = Panel { share: SHARES[1], ..Panel::new(&above, none, scale) };
     for number in 0..SHADES {
         let value = low + middle(number) * (high - low);
         let look = Look::new(colours::at(middle(number)), Marker::Dot).width(height / SHADES as f64 + 0.5);
@@ -168,16 +176,21 @@ fn bar(field: &Field, (low, high): (f64, f64), height: f64) -> Panel {
     bar
 }
 
-/// Smallest and largest of the values that are numbers, not equal.
+/// Smallest and largest of the values that are numbers; 0 and 1 where there are none.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let wide =
         values.filter(|v| v.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-    match wide {
-        (low, high) if low > high => (0.0, 1.0),
-        (0.0, 0.0) => (-0.5, 0.5),
-        (low, high) if low == high => (low - 0.25 * low.abs(), high + 0.25 * high.abs()),
-        wide => wide,
-    }
+    if wide.0 > wide.1 { (0.0, 1.0) } else { wide }
+}
+
+/// Smallest span of a colour scale, as a share of the larger of its ends.
+const SPAN: f64 = 1e-3;
+
+/// A range with room for [`SPAN`]: values that differ less are one shade, as what they differ by may be round-off.
+fn told_apart((low, high): (f64, f64)) -> (f64, f64) {
+    let (middle, least) = (0.5 * (low + high), SPAN * low.abs().max(high.abs()));
+    let half = if least > 0.0 { 0.5 * least } else { 0.5 };
+    if high - low < 2.0 * half { (middle - half, middle + half) } else { (low, high) }
 }
 
 #[cfg(test)]
@@ -204,7 +217,7 @@ mod tests {
             column: "pore_pressure_kpa",
             range: None,
             spacing: 0.05,
-            per_row: None,
+            starts: Vec::new(),
             points,
             lines: vec![line("outline", OUTLINE, corners), line("free surface, exact", EXACT, surface)],
         }
@@ -237,12 +250,22 @@ mod tests {
         let usual = bar(&odd);
         odd.points[7][2] = 1e6;
         assert!(bar(&odd) < 1.02 * usual && figure(&odd).caption.contains("99.5th percentile"));
+        assert_eq!(
+            (figure(&odd).panels[1].title.as_str(), figure(&dam()).panels[1].title.as_str()),
+            ("up to 1e6", "up to 9.33")
+        );
     }
 
     #[test]
     fn a_field_of_one_value_or_none_has_a_range() {
-        assert_eq!(range([2.0, 2.0, f64::NAN].into_iter()), (1.5, 2.5));
+        assert_eq!(told_apart(range([2.0, 2.0, f64::NAN].into_iter())), (1.999, 2.001));
+        assert_eq!((told_apart((0.0, 0.0)), told_apart((-1.0, 3.0))), ((-0.5, 0.5), (-1.0, 3.0)));
         assert_eq!(range(std::iter::empty()), (0.0, 1.0));
+        // Round-off has no colours, and the ticks no more digits than tell them apart.
+        let mut even = dam();
+        even.points.iter_mut().enumerate().for_each(|(k, p)| p[2] = 5.0 / 6.0 + 1e-16 * (k % 7) as f64);
+        let bar = &figure(&even).panels[1];
+        assert!(bar.y.ticks().iter().all(|(_, text)| text.len() <= 6), "{:?}", bar.y.ticks());
         let bare = Field { points: Vec::new(), lines: Vec::new(), ..dam() };
         assert_eq!(figure(&bare).panels.len(), 2);
     }

@@ -2,6 +2,7 @@
 //! written as numbers by [`super::write`].
 
 use super::axis::Axis;
+use super::canvas::Rect;
 use super::look::Look;
 
 /// A picture.
@@ -204,11 +205,38 @@ impl Panel {
     }
 
     /// With ranges found for the axes that have none.
-    pub fn fitted(mut self) -> Self {
-        let (x, y) = (self.all_x(), self.all_y());
-        self.x.fit(x.into_iter());
-        self.y.fit(y.into_iter());
-        self
+    pub fn fitted(self) -> Self {
+        let [x, y] = self.fitted_axes();
+        Self { x, y, ..self }
+    }
+
+    fn fitted_axes(&self) -> [Axis; 2] {
+        let (mut x, mut y) = (self.x.clone(), self.y.clone());
+        x.fit(self.all_x().into_iter());
+        y.fit(self.all_y().into_iter());
+        [x, y]
+    }
+
+    /// Whether some point of a series, or some part of its line, lies within the axes. What is filled is taken to.
+    pub fn shows(&self, series: &Series) -> bool {
+        let [x, y] = self.fitted_axes();
+        let place = |p: &Point| (x.takes(p.x) && y.takes(p.y)).then(|| (x.place(p.x), y.place(p.y)));
+        let frame = Rect { left: 0.0, top: 0.0, right: 1.0, bottom: 1.0 };
+        let is_within = |(x, y): (f64, f64)| (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y);
+        let crosses =
+            |pair: &[Point]| place(&pair[0]).zip(place(&pair[1])).is_some_and(|(a, b)| frame.clip(a, b).is_some());
+        match series.mark {
+            Mark::Line => series.points.windows(2).any(crosses),
+            Mark::LinePoints => {
+                series.points.windows(2).any(crosses) || series.points.iter().filter_map(place).any(is_within)
+            }
+            Mark::Points => series.points.iter().filter_map(place).any(is_within),
+            // A bar of no height is not drawn.
+            Mark::Bars | Mark::Range | Mark::Arrows => {
+                series.points.iter().any(|p| y.takes(p.y) && (y.place(p.y) - y.place(p.from)).abs() > 2e-3)
+            }
+            _ => !series.points.is_empty(),
+        }
     }
 }
 

@@ -192,6 +192,8 @@ pub fn svg_text(figure: &Figure) -> Result<String, DrawError> {
 /// # Errors
 /// What the backend says.
 pub fn marked_svg(figure: &Figure) -> Result<String, DrawError> {
+    #[cfg(test)]
+    assert_eq!(unseen(figure)?, Vec::<String>::new(), "{}: in the legend, and nowhere to be seen", figure.name);
     svg_with(figure, Lettering { marks: true, ..SVG_LETTERS })
 }
 
@@ -249,9 +251,72 @@ fn numbers(figure: &Figure, path: &Path) -> Result<(), ReportError> {
     tables::table(path, &header, rows)
 }
 
+/// Labels of the legend whose series leave no mark on the picture: it is drawn with and without each of them, and compared.
+#[cfg(test)]
+fn unseen(figure: &Figure) -> Result<Vec<String>, DrawError> {
+    // The ranges stay when a series goes.
+    let panels = figure.panels.iter().map(|panel| panel.clone().fitted()).collect();
+    let figure = Figure { panels, ..figure.clone() };
+    let entries = legend::entries(&figure);
+    let (wide, high) = size(&figure, 1);
+    let above_legend = 3 * wide as usize * (f64::from(high) - legend::height(&entries) - 16.0) as usize;
+    let pixels = |figure: &Figure| {
+        let mut pixels = vec![0; 3 * (wide * high) as usize];
+        draw_on(figure, BitMapBackend::with_buffer(&mut pixels, (wide, high)), 1, BITMAP_LETTERS)?;
+        pixels.truncate(above_legend);
+        Ok::<_, DrawError>(pixels)
+    };
+    let whole = pixels(&figure)?;
+    let mut unseen = Vec::new();
+    for label in entries.iter().map(legend::Entry::label) {
+        let mut without = figure.clone();
+        let mut colour = WHITE;
+        for series in without.panels.iter_mut().flat_map(|panel| &mut panel.series).filter(|s| s.label == label) {
+            colour = series.look.colour;
+            series.points.clear();
+        }
+        // Half of what tells the colour from the paper: edges that are drawn twice are a little darker.
+        let contrast = [colour.0, colour.1, colour.2].map(|part| 255 - part).into_iter().max().unwrap_or(0);
+        let differ = pixels(&without)?.iter().zip(&whole).filter(|(a, b)| a.abs_diff(**b) > contrast / 2).count();
+        if differ < 12 {
+            unseen.push(label.to_owned());
+        }
+    }
+    Ok(unseen)
+}
+
 #[cfg(test)]
 mod tests {
+    use super::axis::Axis;
+    use super::figure::{Mark, Panel, Point, Series};
+    use super::look::{BLUE, Look, Marker, PALE, RED};
     use super::*;
+
+    #[test]
+    fn an_entry_of_the_legend_that_nobody_sees_is_found() {
+        let panel = || Panel::new("", Axis::linear("x", "x").range(0.0, 1.0), Axis::linear("y", "y").range(0.0, 1.0));
+        let line = |label: &str, y: f64| Series::line(label, Look::new(RED, Marker::Dot), [(0.0, y), (1.0, y)]);
+        let corners = [(0.1, 0.1), (0.9, 0.1), (0.9, 0.9), (0.1, 0.9)].map(|(x, y)| Point::new(x, y));
+        let band = Series::new("band", Look::new(PALE, Marker::Dot), Mark::Area, corners);
+        let dot = Series::new("dot", Look::new(BLUE, Marker::Circle).radius(3.0), Mark::Points, [Point::new(0.5, 0.5)]);
+        let shown = |panel: Panel| {
+            unseen(&Figure {
+                name: "figure",
+                title: String::new(),
+                caption: String::new(),
+                height: 200.0,
+                panels: vec![panel],
+                missing: Vec::new(),
+            })
+            .expect("a picture")
+        };
+        // A band that is added last hides nothing.
+        assert_eq!(shown(panel().with(line("line", 0.5)).with(dot.clone()).with(band)), Vec::<String>::new());
+        // A line that lies outside is not in the legend.
+        assert_eq!(shown(panel().with(dot.clone()).with(line("outside", 2.0))), Vec::<String>::new());
+        let cover = Series { label: "cover".to_owned(), ..dot.clone() };
+        assert_eq!(shown(panel().with(dot).with(cover)), ["dot", "cover"]);
+    }
 
     #[test]
     fn a_pixel_is_the_mean_of_the_four_finer_ones_channel_by_channel() {

@@ -61,8 +61,12 @@ pub fn squares(cells: [usize; 2], size: f64, arrays: Vec<Array>) -> Vtk {
     file(DataSet::inline(UnstructuredGridPiece { points: points.into(), cells, data }))
 }
 
+/// The arrays as attributes. One that the run does not compute, of which no value is a number, is left out.
 fn attributes(arrays: Vec<Array>) -> impl Iterator<Item = Attribute> {
-    arrays.into_iter().map(|array| {
+    let is_computed = |array: &Array| {
+        array.values.is_empty() || array.values.iter().step_by(array.width).any(|first| first.is_finite())
+    };
+    arrays.into_iter().filter(is_computed).map(|array| {
         let empty = match array.width {
             3 => DataArray::vectors(array.name),
             9 => DataArray::tensors(array.name),

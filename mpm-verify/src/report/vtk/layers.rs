@@ -7,6 +7,8 @@ use vtkio::Vtk;
 use super::data::{Array, cloud, squares};
 use crate::frames::mean_stress;
 
+/// Deviator strain of the soil.
+pub const STRAIN: &str = "deviator_strain";
 /// Effective stress of the soil as a tensor.
 pub const STRESS: &str = "effective_stress_tension_positive_pa";
 /// Pore pressure of all files.
@@ -14,11 +16,11 @@ pub const PRESSURE: &str = "pore_pressure_compression_positive_pa";
 /// Mean effective stress.
 pub const MEAN: &str = "mean_effective_stress_compression_positive_pa";
 
-/// Particles of the solid layer; with their deviator strain if it is `counted`.
-pub fn solid(frame: &Frame, counted: bool) -> Vtk {
+/// Particles of the solid layer.
+pub fn solid(frame: &Frame) -> Vtk {
     let all = &frame.solid;
-    let strain = counted.then(|| Array::scalar("deviator_strain", all, |p| p.deviator_strain));
-    let others = [
+    let arrays = vec![
+        Array::scalar(STRAIN, all, |p| p.deviator_strain),
         Array::scalar(PRESSURE, all, |p| p.pore_pressure),
         Array::scalar(MEAN, all, mean_stress),
         Array::tensor(STRESS, all, |p| p.stress),
@@ -27,12 +29,11 @@ pub fn solid(frame: &Frame, counted: bool) -> Vtk {
         Array::scalar("volume_m3", all, |p| p.volume),
         Array::scalar("mass_kg", all, |p| p.mass),
     ];
-    let arrays = strain.into_iter().chain(others).collect();
     cloud(all, |p| p.x, Some(all.iter().map(|p| p.id).collect()), arrays)
 }
 
 /// Particles of the water layer.
-pub fn water(frame: &Frame, _: bool) -> Vtk {
+pub fn water(frame: &Frame) -> Vtk {
     let all = &frame.water;
     let arrays = vec![
         Array::scalar(PRESSURE, all, |p| p.pressure),
@@ -43,7 +44,7 @@ pub fn water(frame: &Frame, _: bool) -> Vtk {
 }
 
 /// The cells of the mesh.
-pub fn cells(frame: &Frame, _: bool) -> Vtk {
+pub fn cells(frame: &Frame) -> Vtk {
     let all = &frame.cell;
     let arrays = vec![
         Array::scalar(PRESSURE, all, |c| c.pressure),

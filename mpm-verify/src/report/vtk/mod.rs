@@ -22,7 +22,7 @@ use crate::report::quantity;
 use crate::report::{ReportError, save, unwritable};
 
 /// Name of a collection and of its folder, ending of its files, the data set of a frame, whether a frame has some of it.
-type Part = (&'static str, &'static str, fn(&Frame, bool) -> Vtk, fn(&Frame) -> bool);
+type Part = (&'static str, &'static str, fn(&Frame) -> Vtk, fn(&Frame) -> bool);
 
 /// What is written.
 const PARTS: [Part; 3] = [
@@ -39,7 +39,6 @@ const VIEW: &str = include_str!("view.py");
 /// # Errors
 /// A file or folder that cannot be written, with its path.
 pub fn write(shots: &[Shot], folder: &Path) -> Result<(), ReportError> {
-    let counted = is_strained(shots);
     for (part, ending, data, has) in PARTS {
         if !shots.iter().any(|shot| has(&shot.frame)) {
             continue;
@@ -50,8 +49,7 @@ pub fn write(shots: &[Shot], folder: &Path) -> Result<(), ReportError> {
         for (number, shot) in shots.iter().enumerate() {
             let file = format!("{part}/{part}-{number:04}.{ending}");
             let path = folder.join(&file);
-            let text = text(data(&shot.frame, counted))
-                .map_err(|e| unwritable(&path, std::io::Error::other(e.to_string())))?;
+            let text = text(data(&shot.frame)).map_err(|e| unwritable(&path, std::io::Error::other(e.to_string())))?;
             save(&path, text)?;
             files.push((shot.time_s, file));
         }
@@ -60,22 +58,18 @@ pub fn write(shots: &[Shot], folder: &Path) -> Result<(), ReportError> {
     if shots.is_empty() { Ok(()) } else { save(&folder.join("view.py"), view(shots)) }
 }
 
-/// Whether the strain was counted: not every run does.
-fn is_strained(shots: &[Shot]) -> bool {
-    shots.iter().any(|shot| shot.frame.solid.iter().any(|p| p.deviator_strain > 0.0))
-}
-
 /// The state script for these frames.
 fn view(shots: &[Shot]) -> String {
-    let range = |of: fn(&SolidState) -> f64| quantity::range(shots, of);
-    let ranges = [
-        ("deviator_strain", range(|p| p.deviator_strain)),
-        (layers::PRESSURE, range(|p| p.pore_pressure)),
-        (layers::MEAN, range(mean_stress)),
-    ];
-    let shown = if is_strained(shots) { "deviator_strain" } else { layers::PRESSURE };
-    let rows: Vec<String> =
-        ranges.iter().map(|(name, (low, high))| format!("    \"{name}\": ({low:?}, {high:?}),\n")).collect();
+    let ranges: [(&str, fn(&SolidState) -> f64); 3] =
+        [(layers::STRAIN, |p| p.deviator_strain), (layers::PRESSURE, |p| p.pore_pressure), (layers::MEAN, mean_stress)];
+    let is_known = |of: fn(&SolidState) -> f64| shots.iter().any(|s| s.frame.solid.iter().any(|p| of(p).is_finite()));
+    let known: Vec<_> = ranges.into_iter().filter(|(_, of)| is_known(*of)).collect();
+    let shown = known.first().map_or(layers::MEAN, |(name, _)| *name);
+    let row = |(name, of): &(&str, fn(&SolidState) -> f64)| {
+        let (low, high) = quantity::range(shots, *of);
+        format!("    \"{name}\": ({low:?}, {high:?}),\n")
+    };
+    let rows: Vec<String> = known.iter().map(row).collect();
     let edge = edge(shots.first().map(|shot| &shot.frame));
     let filled =
         [("@RANGES@", format!("{{\n{}}}", rows.concat())), ("@POINT@", exact(edge)), ("@SHOWN@", shown.into())];

@@ -4,8 +4,16 @@ use std::path::PathBuf;
 
 use vtkio::model::{Attribute, DataSet, IOBuffer, Piece};
 
+use mpm_core::drive::{Monitor, Wish};
+use mpm_core::hardware::Hardware;
+use mpm_core::observe::ProfileRow;
+use mpm_core::run::run_monitored;
+use mpm_core::scene::Scene;
+use mpm_core::step::Model;
+
 use super::*;
-use crate::frames::{made_up, mean_stress};
+use crate::frames::{Recorded, made_up, mean_stress};
+use crate::report::tests::{INTEGRATORS, block};
 
 /// Numbers of an array by its name.
 fn numbers(attributes: &[Attribute], name: &str) -> Vec<f64> {
@@ -118,4 +126,89 @@ fn paraview_finds_what_to_colour_by_and_a_range() {
     assert!(text.contains(&active), "{}", &text[..600.min(text.len())]);
     let script = fs::read_to_string(own.path().join("view.py")).expect("a script");
     assert!(script.contains("\"deviator_strain\": (0.0, ") && !script.contains('@'), "{script}");
+}
+
+/// Takes the frames of a run.
+struct Taking(Recorded);
+
+impl Monitor for Taking {
+    fn look(&mut self, _: f64) -> Wish {
+        Wish::GoOn
+    }
+
+    fn save(&mut self, _: Vec<u8>) {}
+
+    fn observed(&mut self, model: &dyn Model, time: f64) {
+        self.0.take(model, time);
+    }
+}
+
+/// Every array of the first and of the last frame against what the tables of the run say, whatever the integrator: what it does not
+/// compute is in no file, and nothing is zero in place of a value.
+#[test]
+fn arrays_are_what_history_says() {
+    for (integrator, start) in INTEGRATORS.into_iter().flat_map(|i| [(i, "unloaded"), (i, "geostatic")]) {
+        let shape = if matches!(integrator, "quasi-static" | "implicit") { "bspline2" } else { "centre" };
+        let wet = "[water]\nhydraulic_conductivity = 1e-3\nbulk_modulus = 2e6\nunit_weight = 9810.0\n[[stages]]\ndrained = [\"top\"]";
+        let mut text = block(integrator, shape, false).replace("unloaded", start);
+        if !text.contains("[water]") {
+            text = text.replace("[[stages]]", wet);
+        }
+        for strain in ["large", "small"] {
+            let text = text.replace("porosity", &format!("strain = \"{strain}\"\nporosity"));
+            let Ok(scene) = Scene::parse(&text, "block.toml") else { continue };
+            let what = format!("{integrator}, {start}, {strain}");
+            let mut taking = Taking(Recorded::of(&scene));
+            let run = run_monitored(&Hardware::default(), &scene, None, &mut taking).expect(&what);
+            assert!(run.failure.is_none(), "{what}: {:?}", run.failure);
+            let [first, .., last] = &taking.0.shots[..] else { panic!("{what}: two frames") };
+            for (shot, sample) in [(first, run.samples.first()), (last, run.samples.last())] {
+                let (all, state) = (&shot.frame.solid, &sample.expect("a sample").state);
+                let mean = |weight: fn(&SolidState) -> f64, of: &dyn Fn(&SolidState) -> f64| {
+                    all.iter().map(|p| weight(p) * of(p)).sum::<f64>() / all.iter().map(weight).sum::<f64>()
+                };
+                let near =
+                    |name: &str, a: f64, b: f64, by: f64| assert!((a - b).abs() <= by, "{what}: {name} {a} and {b}");
+                near(
+                    "pressure",
+                    mean(|p| p.volume, &|p| p.pore_pressure),
+                    state.mean_pressure,
+                    0.02 * state.mean_pressure.abs() + 1.0,
+                );
+                near("centre", mean(|p| p.mass, &|p| p.x[1]), state.centre[1], 1e-9);
+                let vertical = |row: &ProfileRow| row.effective_stress_pa;
+                let rows = state.profile.iter().map(vertical).sum::<f64>() / state.profile.len() as f64;
+                near("stress", mean(|p| p.volume, &|p| p.stress[1]), rows, 0.05 * rows.abs() + 1.0);
+                let speed = all.iter().map(|p| p.velocity[0].hypot(p.velocity[1])).fold(f64::NAN, f64::max);
+                if integrator == "quasi-static" {
+                    assert!(speed.is_nan(), "{what}: a velocity without inertia");
+                } else {
+                    near("speed", speed, state.max_speed, 1e-9);
+                }
+                // The surface goes down with the row below it, and by what is drained in between.
+                let top = all.iter().filter(|p| p.x[1] > 0.85);
+                let (sum, count) = top.fold((0.0, 0.0), |(sum, n), p| (sum - p.displacement[1], n + 1.0));
+                let settled = state.settlement - run.samples[0].state.settlement;
+                near("settlement", sum / count, settled, 0.5 * settled.abs());
+                if strain == "large" {
+                    let start = run.samples[0].state.centre[1];
+                    near("start", mean(|p| p.mass, &|p| p.x[1] - p.displacement[1]), start, 1e-9);
+                }
+                assert!(all.iter().all(|p| p.deviator_strain.is_nan()), "{what}: a strain that nobody counted");
+            }
+            let file = text_of(&last.frame);
+            for (name, is_there) in [
+                (layers::PRESSURE, true),
+                ("displacement_m", true),
+                ("velocity_m_per_s", integrator != "quasi-static"),
+                (layers::STRAIN, false),
+            ] {
+                assert_eq!(file.contains(&format!("\"{name}\"")), is_there, "{what}: {name}");
+            }
+        }
+    }
+}
+
+fn text_of(frame: &Frame) -> String {
+    text(layers::solid(frame)).expect("a file")
 }

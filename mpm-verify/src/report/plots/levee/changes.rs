@@ -8,7 +8,7 @@ use crate::frames::Shot;
 use crate::report::numbers::exact;
 use crate::report::plots::figure::{Figure, Panel};
 use crate::report::plots::write_bitmap;
-use crate::report::quantity::{CLIPPED, Quantity};
+use crate::report::quantity::Quantity;
 use crate::report::{ReportError, tables};
 
 /// What a picture shows of the soil.
@@ -71,7 +71,7 @@ pub fn figure(site: &Site, shots: &[&Shot], shown: Shown) -> Figure {
     Figure {
         name: shown.name(),
         title: shown.title(),
-        caption: caption(shown, shots.len()),
+        caption: caption(shown, shots),
         height: window.height(columns),
         panels,
         missing: Vec::new(),
@@ -108,13 +108,16 @@ fn fill(panel: &mut Panel, site: &Site, shot: &Shot, (shown, range): (Shown, (f6
     map::outline(panel, site);
 }
 
-fn caption(shown: Shown, times: usize) -> String {
-    let each = if times > 1 { " All maps show the same part of the plane." } else { "" };
+fn caption(shown: Shown, shots: &[&Shot]) -> String {
+    let each = if shots.len() > 1 { " All maps show the same part of the plane." } else { "" };
     match shown {
         Shown::Shape => format!(
             "Soil and water as particles; the level of the water is the top of the highest wet cell of each column.{each}"
         ),
-        Shown::Of(_) => format!("Every solid particle in the colour of its value. {CLIPPED}.{each}"),
+        Shown::Of(quantity) => {
+            let clipped = quantity.clipped(shots, range(shots, shown));
+            format!("Every solid particle in the colour of its value.{clipped}{each}")
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use crate::report::numbers::exact;
 use crate::report::plots::figure::{Figure, Panel, Series};
 use crate::report::plots::look::{Look, Marker, RED};
 use crate::report::plots::write_bitmap;
-use crate::report::quantity::{self, CLIPPED, Quantity, SPEED, STRAIN};
+use crate::report::quantity::{self, Quantity, SPEED, STRAIN};
 use crate::report::{ReportError, tables};
 
 /// Maps beside each other.
@@ -53,7 +53,8 @@ pub fn figure(site: &Site, shots: &[&Shot], slipped: f64) -> Figure {
         title: "Failure at its events".to_owned(),
         caption: format!(
             "Left: soil, water and its level; above the slip surface soil has moved more than {slipped:.2} m. Middle: deviator strain. Right: \
-             speed, logarithmic. {CLIPPED}."
+             speed, logarithmic.{}",
+            (0..2).map(|k| coloured[k].clipped(shots, ranges[k])).collect::<String>()
         ),
         height: window.height(COLUMNS),
         panels,

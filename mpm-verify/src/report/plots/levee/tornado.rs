@@ -164,8 +164,12 @@ fn panel(base: &Outcome, rows: &[&Varied], (title, column, value): &Part, width:
     let y = Axis::linear("", "").range(-0.5, count - 0.5);
     let named = rows.iter().enumerate().map(|(place, r)| (height(place), r.what.clone())).collect();
     let usual = value(base).map_or_else(|| NEVER.to_owned(), |v| brief(v, 3));
-    let name = format!("{title}; usual: {usual}");
-    let mut panel = Panel::new(&name, Axis::linear("", column).range(left, right), y.named(named));
+    let mut x = Axis::linear(title, column).range(left, right);
+    // What stands beyond the bars is room for their texts, and there are no times or lengths below zero.
+    if low >= 0.0 && x.title() == *title {
+        x.named = Some(x.ticks().into_iter().filter(|(value, _)| *value >= 0.0).collect());
+    }
+    let mut panel = Panel::new(&format!("usual: {usual}"), x, y.named(named));
     for (place, row) in rows.iter().enumerate() {
         for (side, variant) in variants(row) {
             let (name, look, up) = mark(side);
