@@ -29,8 +29,10 @@ enum By {
     Clone,
 }
 
+/// The part that fails where there is no browser; among the other tests that one says that it is skipped.
+const BROWSER: &str = "browser";
 /// All parts, those that fail soonest first.
-const PARTS: [Part; 11] = [
+const PARTS: [Part; 12] = [
     Part { name: "format", by: By::Cargo, arguments: &["fmt", "--all", "--check"] },
     Part {
         name: "lints",
@@ -42,6 +44,11 @@ const PARTS: [Part; 11] = [
     Part { name: "levee", by: By::This, arguments: &["levee"] },
     Part { name: "tests", by: By::Cargo, arguments: &["test", "--locked", "--workspace"] },
     Part { name: "documentation", by: By::Cargo, arguments: &["doc", "--locked", "--workspace", "--no-deps"] },
+    Part {
+        name: BROWSER,
+        by: By::Cargo,
+        arguments: &["test", "--locked", "--workspace", "--test", "all", "--", "pages::"],
+    },
     Part { name: "nightly", by: By::This, arguments: &["nightly"] },
     Part { name: "mutants", by: By::This, arguments: &["mutants"] },
     Part { name: "clone-study", by: By::Clone, arguments: &["run", "--release"] },
@@ -58,7 +65,7 @@ pub struct Options {
     /// Parts to run; without a name all but those of --all
     #[arg(value_name = "PART", value_parser = clap::builder::PossibleValuesParser::new(PARTS.map(|part| part.name)))]
     parts: Vec<String>,
-    /// Also the nightly run, the planted faults, and the study and the tests in a new clone of the commit
+    /// Also the pages in a browser, the nightly run, the planted faults, and the study and the tests in a new clone of the commit
     #[arg(long, conflicts_with = "parts")]
     all: bool,
 }
@@ -97,6 +104,7 @@ impl Part {
             .args(self.arguments)
             .args(if self.by == By::This { &["--quiet"][..] } else { &[] })
             .env("RUSTDOCFLAGS", "-D warnings")
+            .env("MPM_BROWSER_TEST", if self.name == BROWSER { "required" } else { "" })
             .stdin(Stdio::null())
             .stdout(file)
             .stderr(errors)

@@ -65,6 +65,15 @@ for (const place of all('.table.filter')) {
   show();
 }
 
+// Where a table does not fit beside the list of pages, that goes below.
+const wide = matchMedia('(min-width: 1180px)'), frame = all('.frame')[0];
+const place = () => {
+  frame.classList.remove('wide');
+  frame.classList.toggle('wide', wide.matches && all('.box').some(box => box.scrollWidth > box.clientWidth + 1));
+};
+wide.onchange = place;
+place();
+
 // Figures: series on and off by the legend, values under the pointer.
 const along = (axis, v) => {
   const f = axis.l ? Math.log10 : x => x;

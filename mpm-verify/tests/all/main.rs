@@ -2,6 +2,7 @@
 //! `cargo test -p mpm-verify --test all levee::` runs the tests of one module.
 
 mod command_line;
+mod crawl;
 mod error_table;
 mod fuzz;
 mod guides;

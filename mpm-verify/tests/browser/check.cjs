@@ -11,6 +11,27 @@ const rules = {
   rules: { 'long-title': 'off', 'no-trailing-whitespace': 'off', 'void-style': 'off', 'no-inline-style': 'off', 'prefer-native-element': 'off' },
 };
 
+const WIDTHS = [390, 768, 1440];
+
+// Entries of legends without which their picture looks the same.
+async function unseen(page) {
+  const found = [];
+  for (const figure of await page.$$('figure:has([data-l])')) {
+    if (!await figure.isVisible()) continue;
+    const drawing = await figure.$('svg');
+    const whole = await drawing.screenshot();
+    for (const number of await drawing.$$eval('[data-l]', entries => entries.map(entry => entry.dataset.l))) {
+      const show = shown => drawing.$$eval(`[data-s="${number}"]`, (series, shown) => series.forEach(s => s.style.display = shown), shown);
+      await show('none');
+      if (Buffer.compare(whole, await drawing.screenshot()) === 0) {
+        found.push(await drawing.$eval(`[data-l="${number}"]`, entry => entry.getAttribute('aria-label')));
+      }
+      await show('');
+    }
+  }
+  return found;
+}
+
 (async () => {
   const validator = new HtmlValidate(rules);
   for (const file of pages) {
@@ -23,7 +44,7 @@ const rules = {
   }
   const browser = await puppeteer.launch({ executablePath: browserPath, args: ['--no-sandbox', '--disable-gpu'] });
   for (const file of pages) {
-    for (const width of [360, 768, 1400]) {
+    for (const width of WIDTHS) {
       for (const theme of ['light', 'dark']) {
         const page = await browser.newPage();
         const say = fault => console.log(`${file} at ${width} px, ${theme}: ${fault}`);
@@ -42,10 +63,20 @@ const rules = {
             const { right, width } = badge.getBoundingClientRect();
             return width > 0 && right > innerWidth;
           }).length,
+          cells: [...document.querySelectorAll('td')].filter(cell => {
+            const { width } = cell.getBoundingClientRect();
+            return width > 0 && width < 110 && cell.textContent.length > 80;
+          }).map(cell => cell.textContent.slice(0, 40)),
+          tables: [...document.querySelectorAll('.table')].map(box => [...box.querySelectorAll('*')].concat(box)
+            .filter(e => getComputedStyle(e).overflowX === 'auto').map(e => [e.scrollWidth, e.clientWidth]).find(([all, seen]) => all > seen + 1))
+            .filter(Boolean).map(([all, seen]) => `${all} px in ${seen} px`),
           levels: [...document.querySelectorAll('h1, h2, h3, h4')].map(h => +h.tagName[1]),
         }));
         if (seen.wide > 0) say(`scrolls sideways by ${seen.wide} px`);
-        if (seen.high > 12000 && width === 1400) say(`${seen.high} px high, at most 12 000`);
+        if (seen.cells.length) say(`cells of long text in narrow columns: ${seen.cells}`);
+        if (seen.tables.length && width === 1440) say(`tables wider than their boxes: ${seen.tables}`);
+        if (width === 1440 && theme === 'light') for (const label of await unseen(page)) say(`in the legend and nowhere to be seen: ${label}`);
+        if (seen.high > 12000 && width === 1440) say(`${seen.high} px high, at most 12 000`);
         if (seen.hidden) say(`${seen.hidden} verdicts are off the screen`);
         if (seen.load > 1000) say(`loads in ${seen.load} ms, at most 1000`);
         if (seen.levels.some((level, k) => level > (seen.levels[k - 1] || 0) + 1)) say(`headings jump: ${seen.levels}`);
