@@ -33,6 +33,22 @@ impl Verdict {
             Self::NotComparable => "not comparable",
         }
     }
+
+    /// The verdict of these words, as a table has them.
+    pub fn read(words: &str) -> Option<Self> {
+        let all = [Self::Reproduced, Self::ReproducedForAnotherReason, Self::NotReproduced, Self::NotComparable];
+        all.into_iter().find(|verdict| verdict.words() == words)
+    }
+
+    /// The class of its badge.
+    pub fn mark(self) -> &'static str {
+        match self {
+            Self::Reproduced => "good",
+            Self::ReproducedForAnotherReason => "warn",
+            Self::NotReproduced => "bad",
+            Self::NotComparable => "",
+        }
+    }
 }
 
 /// A claim with its evidence.

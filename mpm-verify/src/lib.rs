@@ -3,7 +3,7 @@
 //! # Reading order
 //! 1. [`scenes`]: the scene files that the program carries.
 //! 2. [`exact`]: exact solutions, one per file. [`literature`]: published laws where there are none.
-//! 3. [`norms`], [`rates`]: the one definition of error; orders of convergence.
+//! 3. [`norms`], [`rates`]: the one definition of error; orders of convergence, and the one rule for them. [`verdict`]: its words.
 //! 4. [`element`]: one law on prescribed paths. [`experiment`]: one way to run and judge anything, and what is accepted.
 //!    [`cases`]: the verification suite.
 //! 5. [`study`]: refine, run, compare. [`budget`]: which part of an error comes from what. [`claims`]: the paper's
@@ -56,3 +56,4 @@ pub mod study;
 pub mod suggest;
 pub mod sweeps;
 pub mod unpanicked;
+pub mod verdict;

@@ -153,7 +153,7 @@ fn outcome(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Result<Out
         scheme,
         errors,
         required_error,
-        required_order: Some([1.7, 2.3]),
+        required_order: Some(2.0),
         samples,
         refinements: vec![
             way.in_time(&TIMES[..3], fault, |run, block| Ok(mandel::looks(run, &block.exact, block.start)))?,

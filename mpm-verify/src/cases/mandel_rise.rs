@@ -151,7 +151,7 @@ fn judged(
     scenes: &[Scene],
     rise: impl Fn(&Scene) -> Result<Rise, Error>,
     required: [f64; 2],
-    [required_order, of_order]: [[f64; 2]; 2],
+    order: f64,
 ) -> Result<Outcome, Error> {
     let (mut errors, mut times, mut samples) = (Vec::new(), Vec::new(), Vec::new());
     for scene in scenes {
@@ -168,9 +168,9 @@ fn judged(
         tolerance: asked(&scenes[0]),
         errors,
         required_error,
-        required_order: Some(required_order),
+        required_order: Some(order),
         samples,
-        refinements: vec![Refinement { required_finest: Some(of_time), required_order: Some(of_order), ..when }],
+        refinements: vec![Refinement { required_finest: Some(of_time), required_order: Some(order), ..when }],
         ..Outcome::default()
     })
 }
@@ -197,7 +197,7 @@ fn quasi_static(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
     base = base.edited(fault)?;
     let rise = |scene: &Scene| Rise::of(&finished(scene)?, &exact, 0.0).ok_or_else(missing);
     let scenes = [8, 12, 16, 20].into_iter().map(|side| base.with_rows(side)).collect::<Result<Vec<_>, _>>()?;
-    let outcome = judged(&scenes, rise, [1e-4, 2e-4], [[3.0, 6.0]; 2])?;
+    let outcome = judged(&scenes, rise, [1e-4, 2e-4], 4.0)?;
     let under = |tolerance: f64| rise(&base.with_rows(8)?.edited(|s| s.tolerance = tolerance)?);
     let finest = under(1e-9)?;
     let error = |tolerance: f64| Ok((tolerance, under(tolerance)?.history.difference(&finest.history)));
@@ -213,7 +213,7 @@ fn with_inertia(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Resul
     let rise = |scene: &Scene| Rise::of(&block.run(scene)?, &block.exact, block.start).ok_or_else(missing);
     let scenes = way.sides.into_iter().map(|side| block.scene.with_rows(side)).collect::<Result<Vec<_>, _>>()?;
     // Steps that fall with L add to the time of the peak what the mesh takes from it: its order is above 2.
-    let outcome = judged(&scenes, rise, [required_error; 2], [[1.7, 2.3], [1.7, 2.8]])?;
+    let outcome = judged(&scenes, rise, [required_error; 2], 2.0)?;
     let curve = |run: &Run, block: &Block| Ok(Rise::of(run, &block.exact, block.start).ok_or_else(missing)?.history);
     let steps = way.in_time(&times(), fault, curve)?;
     Ok(Outcome { refinements: [outcome.refinements, vec![steps]].concat(), ..outcome })

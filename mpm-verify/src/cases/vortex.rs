@@ -23,16 +23,16 @@ use crate::experiment::refinement::{PARTICLES, Refinement, Sampled};
 pub const SPLINES: Program = Program {
     name: "vortex",
     about: "a disc sheared and turned by a body force, B-splines: places of the particles, order 2",
-    run: || outcome(ShapeChoice::Bspline2, 2e-2, [1.8, 2.4], 1.0),
-    mutant: Some(Mutant { what: NO_FORCE, run: || outcome(ShapeChoice::Bspline2, 2e-2, [1.8, 2.4], 0.0) }),
+    run: || outcome(ShapeChoice::Bspline2, 2e-2, 2.0, 1.0),
+    mutant: Some(Mutant { what: NO_FORCE, run: || outcome(ShapeChoice::Bspline2, 2e-2, 2.0, 0.0) }),
 };
 
 /// uGIMP, whose particles keep their first shape: its order falls on fine meshes.
 pub const GIMP: Program = Program {
     name: "vortex-gimp",
     about: "the same with uGIMP",
-    run: || outcome(ShapeChoice::Gimp, 5e-2, [1.2, 2.4], 1.0),
-    mutant: Some(Mutant { what: NO_FORCE, run: || outcome(ShapeChoice::Gimp, 5e-2, [1.2, 2.4], 0.0) }),
+    run: || outcome(ShapeChoice::Gimp, 5e-2, 2.0, 1.0),
+    mutant: Some(Mutant { what: NO_FORCE, run: || outcome(ShapeChoice::Gimp, 5e-2, 2.0, 0.0) }),
 };
 
 const NO_FORCE: &str = "no body force";
@@ -80,7 +80,7 @@ fn disc(cells: usize, shape: ShapeChoice) -> Scene {
     })
 }
 
-fn outcome(shape: ShapeChoice, required_error: f64, order: [f64; 2], force: f64) -> Result<Outcome, Error> {
+fn outcome(shape: ShapeChoice, required_error: f64, order: f64, force: f64) -> Result<Outcome, Error> {
     let base = disc(MESHES[0], shape);
     let (mut errors, mut samples) = (Vec::new(), Vec::new());
     for cells in MESHES {

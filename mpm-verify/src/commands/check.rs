@@ -311,14 +311,11 @@ fn each<T: Send>(
 }
 
 fn header() -> String {
-    format!("{:<29} {:>10} {:>10}  {:<26} verdict", "case", "error", "required", "order")
+    format!("{:<29} {:>10} {:>10}  {:<43} verdict", "case", "error", "required", "order")
 }
 
 fn line(row: &CaseRow) -> String {
-    let order = match (row.order, row.order_high) {
-        (Some(order), Some(high)) => format!("{order:.2} +- {:.2} ({})", high - order, row.required_order),
-        (Some(order), None) => format!("{order:.2} ({})", row.required_order),
-        _ => String::new(),
-    };
-    format!("{:<29} {:>10.2e} {:>10.1e}  {order:<26} {}", row.case, row.error, row.required_error, row.verdict)
+    let theory = if row.required_order.is_empty() { String::new() } else { format!(", theory {}", row.required_order) };
+    let order = format!("{}{theory}", row.order_verdict);
+    format!("{:<29} {:>10.2e} {:>10.1e}  {order:<43} {}", row.case, row.error, row.required_error, row.verdict.word())
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use mpm_verify::protocol::board::{BOARD, merged, write};
+use mpm_verify::protocol::board::{BOARD, judge, merged, write};
 use mpm_verify::protocol::case::chosen;
 use mpm_verify::protocol::code::Code;
 use mpm_verify::protocol::score::Verdict;
@@ -22,7 +22,7 @@ pub struct Options {
 /// Writes the leaderboard.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let read = options.scores.iter().map(|path| Code::read(path)).collect::<Result<_, _>>();
-    let codes = merged(read.map_err(Failure::bad_input)?);
+    let mut codes = merged(read.map_err(Failure::bad_input)?);
     let mut seeds: Vec<u64> = codes.iter().flat_map(|code| &code.scores).map(|score| score.seed).collect();
     seeds.sort_unstable();
     seeds.dedup();
@@ -30,6 +30,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         return Err(Failure::BadInput(format!("expected scores of one seed, found those of {seeds:?}")));
     };
     let cases = chosen(&[], seed).map_err(Failure::run_failed)?;
+    judge(&mut codes, &cases);
     common.publish("leaderboard", &["index.html", BOARD], |folder| {
         write(&codes, &cases, folder.stage()).map_err(Failure::run_failed)
     })?;

@@ -37,7 +37,7 @@ const PUBLISHED: [(&str, &str); 7] = [
     ("dam", "map-water.csv map-water.png map-water_lines.csv report.json summary.json water.csv"),
     (
         "leaderboard",
-        "leaderboard.csv plots/cpu-against-error.png report.json scores/finite-volumes.json scores/kratos-geo.json \
+        "leaderboard.csv plots/solved-against-cpu.svg report.json scores/finite-volumes.json scores/kratos-geo.json \
          scores/kratos-mpm.json scores/mpm-verify.json scores/opengeosys.json scores/student-mpm.json scores/toy.json",
     ),
     (

@@ -48,6 +48,7 @@ pub struct Findings {
     map_troubles: Vec<String>,
     matrix: Vec<MatrixRow>,
     broken_defaults: Vec<String>,
+    degraded_defaults: Vec<String>,
 }
 
 impl Findings {
@@ -71,9 +72,9 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let findings = common
         .publish("stability", &["index.html", "stability.json"], |folder| measure(options, common, folder.stage()))?;
     common.json(&findings);
-    let count = |verdict: &str| findings.matrix.iter().filter(|row| word(row.verdict) == verdict).count();
-    let counts = ["passed", "degraded", "stopped", "failed"].map(|verdict| format!("{} {verdict}", count(verdict)));
-    common.say(&format!("{} of {} schemes in stress tests", counts.join(", "), findings.matrix.len()));
+    let counts = report::stress::counts(findings.matrix.iter().map(|row| row.verdict)).words();
+    common.say(&format!("{counts}, of {} schemes in stress tests", findings.matrix.len()));
+    findings.degraded_defaults.iter().for_each(|line| common.say(line));
     if !findings.map.is_empty() {
         let (groups, off) = (findings.map.len(), findings.map_troubles.len());
         common.say(&format!("{groups} groups of time-step limits, {off} rows failed"));
@@ -94,6 +95,7 @@ pub fn measure(options: &Options, common: &Common, folder: &Path) -> Result<Find
         map_troubles: Vec::new(),
         matrix: Vec::new(),
         broken_defaults: Vec::new(),
+        degraded_defaults: Vec::new(),
     };
     let mut pictures = Vec::new();
     if options.cases.is_empty() {
@@ -101,6 +103,7 @@ pub fn measure(options: &Options, common: &Common, folder: &Path) -> Result<Find
     }
     let found = stress_tests(&cases, options, common, folder)?;
     findings.matrix = found.iter().map(|f| f.row(&cases)).collect();
+    findings.degraded_defaults = report::stress::degraded_defaults(&cases, &found);
     findings.broken_defaults = report::stress::broken_defaults(&cases, &found);
     for row in &findings.matrix {
         let value = row.value.map_or_else(|| "-".to_owned(), |v| format!("{v:.1e}"));

@@ -21,5 +21,5 @@ pub(crate) mod shared;
 pub mod spec;
 pub(crate) mod verdict;
 
-pub use refinement::{Refinement, RefinementRow, SampleRow, Sampled, words};
+pub use refinement::{Refinement, RefinementRow, SampleRow, Sampled};
 pub use verdict::{CaseRow, Judged, Named};

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::rates::{Fit, LEAST_MESHES, Order, fit, largest_of_last_two};
+use crate::rates::{Convergence, Order, largest_of_last_two, round_off};
+use crate::verdict::State;
 
 /// A refinement parameter: its name and its unit (`-` if it has none).
 pub type Parameter = (&'static str, &'static str);
@@ -48,8 +49,10 @@ pub struct Refinement {
     pub errors: Vec<(f64, f64)>,
     /// What the error is measured against, and which order follows from that.
     pub against: String,
-    /// Allowed interval of the fitted order; `None` where none is expected.
-    pub required_order: Option<[f64; 2]>,
+    /// Order of theory; `None` where none is expected.
+    pub required_order: Option<f64>,
+    /// Errors of at most so much are round-off.
+    pub floor: f64,
     /// Largest error allowed at every parameter; `None` where that is not judged.
     pub required_error: Option<f64>,
     /// The same as a share of the parameter.
@@ -66,28 +69,32 @@ impl Refinement {
             errors,
             against: against.into(),
             required_order: None,
+            floor: round_off(1.0),
             required_error: None,
             required_share: None,
             required_finest: None,
         }
     }
 
-    /// The order that the errors show, with its confidence.
-    pub fn fit(&self) -> Option<Fit> {
-        fit(&spacings(self.by, &self.errors))
+    /// The order that the errors show, beside that of theory.
+    pub fn convergence(&self) -> Convergence {
+        Convergence::new(&spacings(self.by, &self.errors), self.required_order, self.floor)
     }
 
-    /// What its order says; `None` where none is required.
-    pub fn order(&self) -> Option<Order> {
-        let range = self.required_order?;
-        Some(self.fit().map_or(Order::NotEstablished, |fit| fit.shows(range)))
+    /// The verdict; `None` where nothing is required.
+    pub fn state(&self) -> Option<State> {
+        let required = [self.required_order, self.required_error, self.required_share, self.required_finest];
+        required.iter().any(Option::is_some).then(|| match (self.failed(), self.open()) {
+            (Some(_), _) => State::Failed,
+            (None, Some(_)) => State::NotEstablished,
+            (None, None) => State::Passed,
+        })
     }
 
     /// What is said of an order that is not established; `None` where one is, or none is required.
     pub fn open(&self) -> Option<String> {
-        let order = self.order().filter(|order| *order == Order::NotEstablished);
-        order
-            .map(|_| format!("refined by {}: {}", self.by.0, not_established(self.fit().as_ref(), self.required_order)))
+        let found = self.convergence();
+        (found.order == Order::NotEstablished).then(|| format!("refined by {}: {}", self.by.0, found.sentence()))
     }
 
     /// The verdict in numbers if the refinement failed.
@@ -100,9 +107,9 @@ impl Refinement {
         if let Some((at, error)) = self.errors.iter().find(|(at, error)| error.is_nan() || error.abs() > most(*at)) {
             return Some(format!("refined by {by}: error {:.2e} above {:.1e} at {at}", error.abs(), most(*at)));
         }
-        let lengths = spacings(self.by, &self.errors);
-        let finest = match self.order() {
-            Some(Order::NotEstablished) => largest_of_last_two(&lengths),
+        let (found, lengths) = (self.convergence(), spacings(self.by, &self.errors));
+        let finest = match found.order {
+            Order::NotEstablished => largest_of_last_two(&lengths),
             _ => {
                 let finest = lengths.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
                 finest.map_or(f64::NAN, |(_, error)| error.abs())
@@ -111,35 +118,8 @@ impl Refinement {
         if let Some(most) = self.required_finest.filter(|most| finest.is_nan() || finest > *most) {
             return Some(format!("refined by {by}: finest error {finest:.2e} above {most:.1e}"));
         }
-        // Errors of zero or that are no numbers have no order at all: nothing was refined.
-        let ([low, high], fit) = (self.required_order?, self.fit());
-        match (fit, self.order()) {
-            (None, _) => Some(format!("refined by {by}: no order can be fitted, {low} to {high} required")),
-            (Some(fit), Some(Order::Another)) => {
-                Some(format!("refined by {by}: order {} outside of {low} to {high}", order_words(&fit)))
-            }
-            _ => None,
-        }
+        (found.order == Order::Failed).then(|| format!("refined by {by}: {}", found.sentence()))
     }
-}
-
-/// A fitted order with its 95 % interval, as a message shows it.
-pub(crate) fn order_words(fit: &Fit) -> String {
-    match fit.interval() {
-        Some(_) => format!("{:.2} +- {:.2}", fit.order, fit.half_width),
-        None => format!("{:.2}", fit.order),
-    }
-}
-
-/// Why an order is not established.
-pub(crate) fn not_established(fit: Option<&Fit>, required: Option<[f64; 2]>) -> String {
-    let meshes = |fit: &Fit| fit.pairwise.len() + 1;
-    let found = match fit {
-        None => "none can be fitted".to_owned(),
-        Some(fit) if meshes(fit) < LEAST_MESHES => format!("{:.2} from only {} runs", fit.order, meshes(fit)),
-        Some(fit) => order_words(fit),
-    };
-    format!("order not established ({found}; {} required)", words(required))
 }
 
 /// What an order is fitted over: the parameter itself, or the spacing of so many particles in cells.
@@ -169,10 +149,12 @@ pub struct RefinementRow {
     pub order_high: Option<f64>,
     /// Whether the range is asymptotic.
     pub asymptotic: Option<bool>,
-    /// What the order must be; empty where none is required.
+    /// Order of theory; empty where none is expected.
     pub required_order: String,
     /// What the error is measured against.
     pub against: String,
+    /// What the order says, in words.
+    pub order_verdict: String,
 }
 
 /// A row of `samples.csv`.
@@ -198,11 +180,6 @@ pub struct SampleRow {
     pub counts: bool,
 }
 
-/// An interval as it stands in a table.
-pub fn words(required: Option<[f64; 2]>) -> String {
-    required.map_or(String::new(), |[low, high]| format!("{low} to {high}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -211,10 +188,10 @@ mod tests {
     fn every_kind_of_refinement_can_fail() {
         let errors = vec![(8e-6, 8e-3), (4e-6, 4e-3), (2e-6, 2e-3), (1e-6, 1e-3)];
         let free = Refinement::new(STEP, errors, "");
-        let good = Refinement { required_order: Some([0.9, 1.1]), required_error: Some(9e-3), ..free.clone() };
+        let good = Refinement { required_order: Some(1.0), required_error: Some(9e-3), ..free.clone() };
         assert_eq!((good.failed(), good.open()), (None, None));
-        let steep = Refinement { required_order: Some([1.9, 2.1]), ..good.clone() };
-        assert!(steep.failed().is_some_and(|why| why.contains("order 1.00 +- 0.00 outside of 1.9 to 2.1")));
+        let steep = Refinement { required_order: Some(2.0), ..good.clone() };
+        assert!(steep.failed().is_some_and(|why| why.ends_with("refined by time step: order 1.00 ± 0.00, theory 2")));
         let large = Refinement { required_error: Some(3e-3), ..good.clone() };
         assert!(large.failed().is_some_and(|why| why.contains("8.00e-3 above 3.0e-3 at 0.000008")));
         let share = Refinement { required_share: Some(500.0), ..good.clone() };
@@ -231,21 +208,20 @@ mod tests {
         );
         let few = Refinement { required_finest: Some(2.1e-3), ..few };
         assert_eq!(few.failed(), None);
-        assert!(
-            few.open().is_some_and(|why| why.contains("not established (1.00 from only 3 runs; 0.9 to 1.1 required)"))
-        );
+        assert!(few.open().is_some_and(|why| why.contains("order not established (1.00 from only 3 runs), theory 1")));
         let lost = Refinement { errors: vec![(4e-6, f64::NAN)], ..good.clone() };
         assert!(lost.failed().is_some());
         let nothing = Refinement { errors: Vec::new(), ..finest };
         assert!(nothing.failed().is_some_and(|why| why.contains("NaN")));
-        let nothing = Refinement { errors: vec![(4e-6, 0.0)], required_error: None, ..good };
-        assert!(nothing.failed().is_some_and(|why| why.contains("no order can be fitted")));
+        let one = Refinement { errors: vec![(4e-6, 0.0)], required_error: None, ..good };
+        assert!(one.open().is_some_and(|why| why.ends_with("order not established, theory 1")));
+        assert_eq!((free.state(), one.state()), (None, Some(State::NotEstablished)), "nothing required, no verdict");
     }
 
     #[test]
     fn the_order_in_particles_is_that_in_their_spacing() {
         let errors = [1.0_f64, 4.0, 9.0, 16.0].map(|n| (n, 0.1 / n)).to_vec();
-        let fit = Refinement::new(PARTICLES, errors, "").fit().expect("errors");
+        let fit = Refinement::new(PARTICLES, errors, "").convergence().fit.expect("errors");
         assert!((fit.order - 2.0).abs() < 1e-9 && fit.asymptotic, "{fit:?}");
     }
 }

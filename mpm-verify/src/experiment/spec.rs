@@ -82,8 +82,8 @@ pub struct Spec {
     /// Largest error allowed on the finest mesh.
     #[serde(default = "nothing")]
     pub error: f64,
-    /// Interval of the fitted order.
-    pub order: Option<[f64; 2]>,
+    /// Order of theory.
+    pub order: Option<f64>,
     /// Whether the finest mesh is judged alone where no order is: else the last two are.
     #[serde(default)]
     pub finest_alone: bool,
@@ -171,8 +171,8 @@ pub struct Also {
     pub at_most: Option<f64>,
     /// Largest error on the finest one.
     pub finest: Option<f64>,
-    /// Interval of the order.
-    pub order: Option<[f64; 2]>,
+    /// Order of theory.
+    pub order: Option<f64>,
 }
 
 /// Steps that fall with a power of the cell from a share of the limit on one mesh.
@@ -207,8 +207,8 @@ pub struct Steps {
     /// Differences between runs of half the step.
     #[serde(default = "Steps::four")]
     pub halvings: u32,
-    /// Interval of the order in the step.
-    pub order: Option<[f64; 2]>,
+    /// Order of theory in the step.
+    pub order: Option<f64>,
     /// Largest difference.
     pub at_most: Option<f64>,
 }

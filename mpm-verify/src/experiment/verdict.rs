@@ -5,11 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use super::comparison::Comparison;
 use super::number::Label;
-use super::refinement::{
-    MESH, Parameter, RUNS, Refinement, RefinementRow, SampleRow, Sampled, not_established, order_words, spacings, words,
-};
-use crate::rates::{Fit, Order, fit, largest_of_last_two};
+use super::refinement::{MESH, Parameter, RUNS, Refinement, RefinementRow, SampleRow, Sampled, spacings};
+use crate::rates::{Convergence, Fit, Order, largest_of_last_two, round_off};
 use crate::report::numbers::{brief, short};
+use crate::verdict::State;
 
 /// What a case is called.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,10 +32,10 @@ pub(crate) struct Outcome {
     pub errors: Vec<(f64, f64)>,
     /// Largest error allowed at the smallest parameter.
     pub required_error: f64,
-    /// Allowed interval of the fitted order, if the case converges.
-    pub required_order: Option<[f64; 2]>,
-    /// Whether an order that is surely another one fails the case by itself. A scene of one's own is judged by its errors.
-    pub order_decides: bool,
+    /// Order of theory, if the case converges.
+    pub required_order: Option<f64>,
+    /// Errors of at most so much are round-off, or what the tolerance of the runs in time leaves.
+    pub floor: f64,
     /// Largest error allowed at every parameter, as a share of the parameter.
     pub required_everywhere: Option<f64>,
     /// What the refinement parameter is, with its unit.
@@ -67,7 +66,7 @@ impl Default for Outcome {
             errors: Vec::new(),
             required_error: f64::NAN,
             required_order: None,
-            order_decides: true,
+            floor: round_off(1.0),
             required_everywhere: None,
             refined_by: MESH,
             notes: Vec::new(),
@@ -80,11 +79,6 @@ impl Default for Outcome {
         }
     }
 }
-
-/// The three verdicts.
-const PASSED: &str = "passed";
-const OPEN: &str = "order not established";
-const FAILED: &str = "failed";
 
 /// A judged case: a row of `cases.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -105,10 +99,10 @@ pub struct CaseRow {
     pub order_low: Option<f64>,
     /// Upper end.
     pub order_high: Option<f64>,
-    /// What the order must be.
+    /// Order of theory; empty where none is expected.
     pub required_order: String,
-    /// `passed`, `order not established` (the errors are small enough) or `failed`.
-    pub verdict: String,
+    /// Passed, not established (the errors are small enough, the order is open) or failed.
+    pub verdict: State,
     /// CPU time of the case, s.
     pub cpu_s: f64,
     /// Why the verdict is what it is, with numbers.
@@ -123,17 +117,20 @@ pub struct CaseRow {
     pub change: Option<f64>,
     /// Tolerance of the runs in time, by which the error may move without a change of the program.
     pub tolerance: f64,
+    /// What the order says, in words.
+    #[serde(default)]
+    pub order_verdict: String,
 }
 
 impl CaseRow {
     /// Whether the case did not fail: it passed, or its errors are small enough and its order is not established.
     pub fn passed(&self) -> bool {
-        self.verdict != FAILED
+        self.verdict != State::Failed
     }
 
     /// Whether its errors are small enough, but do not say that they fall with the order that they should.
     pub fn open(&self) -> bool {
-        self.verdict == OPEN
+        self.verdict == State::NotEstablished
     }
 }
 
@@ -150,10 +147,12 @@ pub struct Judged {
     pub errors: Vec<(f64, f64)>,
     /// Largest error allowed at every parameter, as a share of the parameter.
     pub everywhere: Option<f64>,
-    /// The fitted order; `None` where there is none to fit or none is required.
-    pub fit: Option<Fit>,
-    /// Allowed interval of the order.
-    pub required_order: Option<[f64; 2]>,
+    /// The order of the errors beside that of theory.
+    pub convergence: Convergence,
+    /// Order of theory.
+    pub required_order: Option<f64>,
+    /// Errors of at most so much are round-off.
+    pub floor: f64,
     /// What the refinement parameter is, with its unit.
     pub refined_by: Parameter,
     /// Further numbers: quantity, value, unit.
@@ -189,7 +188,7 @@ impl Judged {
     /// All refinements, that of the case's own errors first.
     pub fn all_refinements(&self) -> Vec<Refinement> {
         let own = Refinement::new(self.refined_by, self.errors.clone(), "what the case compares with");
-        let own = Refinement { required_order: self.required_order, ..own };
+        let own = Refinement { required_order: self.required_order, floor: self.floor, ..own };
         std::iter::once(own).filter(|own| own.errors.len() > 1).chain(self.refinements.iter().cloned()).collect()
     }
 
@@ -197,20 +196,21 @@ impl Judged {
     pub fn refinement_rows(&self) -> Vec<RefinementRow> {
         let mut rows = Vec::new();
         for refinement in self.all_refinements() {
-            let fit = refinement.fit();
-            let ends = fit.as_ref().and_then(Fit::interval);
+            let found = refinement.convergence();
+            let (fit, ends) = (found.fit.as_ref(), found.fit.as_ref().and_then(Fit::interval));
             rows.extend(refinement.errors.iter().map(|(parameter, error)| RefinementRow {
                 case: self.row.case.clone(),
                 by: refinement.by.0.to_owned(),
                 parameter: *parameter,
                 unit: refinement.by.1.to_owned(),
                 error: *error,
-                order: fit.as_ref().map(|f| f.order),
+                order: fit.map(|f| f.order),
                 order_low: ends.map(|[low, _]| low),
                 order_high: ends.map(|[_, high]| high),
-                asymptotic: fit.as_ref().map(|f| f.asymptotic),
-                required_order: words(refinement.required_order),
+                asymptotic: fit.map(|f| f.asymptotic),
+                required_order: found.theory_words(),
                 against: refinement.against.clone(),
+                order_verdict: found.words(),
             }));
         }
         rows
@@ -218,58 +218,53 @@ impl Judged {
 
     /// Marks the case as failed for a reason that its own rule does not know.
     pub(crate) fn fail(&mut self, why: &str) {
-        FAILED.clone_into(&mut self.row.verdict);
+        self.row.verdict = State::Failed;
         self.reason = format!("{}; {why}", self.reason);
         self.row.reason.clone_from(&self.reason);
     }
 }
 
 /// The one rule. The error is small enough: that of the finest mesh where the order is established, else the largest of the
-/// last two. No order is surely another one than it should be. The same holds for all refinements.
+/// last two. No established order is another one than that of theory. The same holds for all refinements.
 pub(crate) fn judge(case: Named, outcome: Outcome, cpu_s: f64) -> Judged {
     let lengths = spacings(outcome.refined_by, &outcome.errors);
-    let fit: Option<Fit> = fit(&lengths);
-    let order = outcome.required_order.map(|range| fit.as_ref().map_or(Order::NotEstablished, |fit| fit.shows(range)));
-    let (error, required_error) = judged_error(&outcome, order);
-    // Errors of zero or that are no numbers have no order at all: nothing was refined.
-    let unfit = order.is_some() && fit.is_none() && outcome.order_decides;
-    let another = order == Some(Order::Another) && outcome.order_decides;
+    let convergence = Convergence::new(&lengths, outcome.required_order, outcome.floor);
+    let (error, required_error) = judged_error(&outcome, convergence.order);
     // A number that is not one must not pass.
     let too_large = |share: f64| outcome.errors.iter().find(|(h, e)| e.is_nan() || e.abs() > share * h).copied();
     let exceeded = outcome.required_everywhere.and_then(|share| Some((share, too_large(share)?)));
     let fallen: Vec<String> = outcome.refinements.iter().filter_map(Refinement::failed).collect();
     let open: Vec<String> = outcome.refinements.iter().filter_map(Refinement::open).collect();
-    let holds = error <= required_error && !unfit && !another && exceeded.is_none() && fallen.is_empty();
-    let established = !matches!(order, Some(Order::NotEstablished | Order::Another)) && open.is_empty();
-    let fit = fit.filter(|_| outcome.required_order.is_some());
-    let ends = fit.as_ref().and_then(Fit::interval);
+    let holds =
+        error <= required_error && convergence.order != Order::Failed && exceeded.is_none() && fallen.is_empty();
+    let established = convergence.order != Order::NotEstablished && open.is_empty();
+    let fit = convergence.fit.as_ref().filter(|_| convergence.order != Order::NotExpected);
+    let ends = fit.and_then(Fit::interval);
     let mut row = CaseRow {
         case: case.name.to_owned(),
         integrator: outcome.integrator,
         scheme: outcome.scheme,
         error,
         required_error,
-        order: fit.as_ref().map(|f| f.order),
+        order: fit.map(|f| f.order),
         order_low: ends.map(|[low, _]| low),
         order_high: ends.map(|[_, high]| high),
-        required_order: words(outcome.required_order),
-        verdict: if !holds {
-            FAILED
-        } else if established {
-            PASSED
-        } else {
-            OPEN
-        }
-        .to_owned(),
+        required_order: convergence.theory_words(),
+        verdict: match (holds, established) {
+            (false, _) => State::Failed,
+            (true, true) => State::Passed,
+            (true, false) => State::NotEstablished,
+        },
         cpu_s,
         reason: String::new(),
-        asymptotic: fit.as_ref().map(|f| f.asymptotic),
+        asymptotic: fit.map(|f| f.asymptotic),
         baseline: None,
         baseline_kind: outcome.kind,
         change: None,
         tolerance: outcome.tolerance,
+        order_verdict: convergence.words(),
     };
-    let own = reason(&row, order, (fit.as_ref(), outcome.required_order), exceeded);
+    let own = reason(&row, &convergence, exceeded);
     row.reason = std::iter::once(own).chain(fallen).chain(open).chain(outcome.remarks).collect::<Vec<_>>().join("; ");
     Judged {
         reason: row.reason.clone(),
@@ -277,8 +272,9 @@ pub(crate) fn judge(case: Named, outcome: Outcome, cpu_s: f64) -> Judged {
         row,
         errors: outcome.errors,
         everywhere: outcome.required_everywhere,
-        fit,
+        convergence,
         required_order: outcome.required_order,
+        floor: outcome.floor,
         refined_by: outcome.refined_by,
         notes: outcome.notes,
         samples: outcome.samples,
@@ -291,10 +287,10 @@ pub(crate) fn judge(case: Named, outcome: Outcome, cpu_s: f64) -> Judged {
 
 /// The error that is judged and the largest that is allowed: on the finest mesh where the order is established, or where
 /// nothing was refined; else on the one of the last two that is further off, with what is allowed there.
-fn judged_error(outcome: &Outcome, order: Option<Order>) -> (f64, f64) {
+fn judged_error(outcome: &Outcome, order: Order) -> (f64, f64) {
     let lengths = spacings(outcome.refined_by, &outcome.errors);
     let finest = lengths.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or((f64::NAN, f64::NAN), |(h, e)| (*h, e.abs()));
-    if order == Some(Order::Established) || outcome.refined_by == RUNS {
+    if matches!(order, Order::Passed | Order::Failed | Order::RoundOff) || outcome.refined_by == RUNS {
         return (finest.1, outcome.required_error);
     }
     let error = largest_of_last_two(&lengths);
@@ -304,12 +300,7 @@ fn judged_error(outcome: &Outcome, order: Option<Order>) -> (f64, f64) {
 }
 
 /// The verdict in numbers.
-fn reason(
-    row: &CaseRow,
-    order: Option<Order>,
-    (fit, required): (Option<&Fit>, Option<[f64; 2]>),
-    exceeded: Option<(f64, (f64, f64))>,
-) -> String {
+fn reason(row: &CaseRow, convergence: &Convergence, exceeded: Option<(f64, (f64, f64))>) -> String {
     if let Some((share, (parameter, error))) = exceeded {
         let [error, allowed] = [error.abs(), share * parameter].map(|x| short(x, 3));
         return format!("error {error} above {allowed} at {}", brief(parameter, 3));
@@ -320,18 +311,10 @@ fn reason(
         false if row.error.is_nan() => format!("the error is not a number; at most {most}"),
         false => format!("error {found} above {most}"),
     };
-    match (fit, order) {
-        (_, None) => error,
-        (None, _) => format!("{error}; no order can be fitted, {} required", row.required_order),
-        (Some(fit), Some(Order::Established)) => {
-            format!("{error}; order {}, {}", order_words(fit), row.required_order)
-        }
-        (Some(fit), Some(Order::Another)) => {
-            format!("{error}; order {} outside of {}", order_words(fit), row.required_order)
-        }
-        (Some(_), Some(Order::NotEstablished)) => {
-            format!("{error} on the last two meshes; {}", not_established(fit, required))
-        }
+    match convergence.order {
+        Order::NotExpected => error,
+        Order::NotEstablished => format!("{error} on the last two meshes; {}", convergence.sentence()),
+        _ => format!("{error}; {}", convergence.sentence()),
     }
 }
 
@@ -347,32 +330,26 @@ mod tests {
     #[test]
     fn every_kind_of_check_can_fail() {
         let errors = vec![(0.2, 4e-2), (0.1, 1e-2), (0.05, 2.5e-3), (0.025, 6.25e-4)];
-        let good = Outcome { errors, required_error: 1e-3, required_order: Some([1.8, 2.2]), ..Outcome::default() };
+        let good = Outcome { errors, required_error: 1e-3, required_order: Some(2.0), ..Outcome::default() };
         let held = judged(good.clone());
-        assert!(held.row.passed() && held.reason == "error 0.000625, at most 0.001; order 2.00 +- 0.00, 1.8 to 2.2");
-        assert_eq!(held.row.verdict, "passed");
+        assert!(held.row.passed() && held.reason == "error 0.000625, at most 0.001; order 2.00 ± 0.00, theory 2");
+        assert_eq!(held.row.verdict, State::Passed);
         let too_large = judged(Outcome { required_error: 5e-4, ..good.clone() });
         assert!(!too_large.row.passed() && too_large.reason.starts_with("error 0.000625 above 0.0005"));
-        let wrong_order = judged(Outcome { required_order: Some([2.8, 3.2]), ..good.clone() });
-        let own = judged(Outcome { required_order: Some([2.8, 3.2]), order_decides: false, ..good.clone() });
-        assert!(!wrong_order.row.passed() && wrong_order.reason.ends_with("order 2.00 +- 0.00 outside of 2.8 to 3.2"));
-        assert!(
-            !own.row.passed() && own.reason.starts_with("error 0.00250 above 0.001"),
-            "the last two: {}",
-            own.reason
-        );
+        let wrong_order = judged(Outcome { required_order: Some(3.0), ..good.clone() });
+        assert!(!wrong_order.row.passed() && wrong_order.reason.ends_with("order 2.00 ± 0.00, theory 3"));
         let everywhere = judged(Outcome { required_everywhere: Some(0.08), ..good.clone() });
         assert!(!everywhere.row.passed() && everywhere.reason == "error 0.0400 above 0.0160 at 0.2");
         let everywhere = judged(Outcome { required_everywhere: Some(0.21), ..good.clone() });
         assert!(everywhere.row.passed());
         let nothing = Outcome { errors: vec![(0.1, f64::NAN)], ..good.clone() };
-        assert!(!judged(nothing.clone()).row.passed() && judged(nothing.clone()).reason.contains("no order"));
+        assert!(!judged(nothing.clone()).row.passed() && judged(nothing.clone()).reason.contains("not a number"));
         let flat = [8e-6, 4e-6, 2e-6, 1e-6].map(|step| (step, 1e-3)).to_vec();
         let flat = Refinement::new(crate::experiment::refinement::STEP, flat, "");
-        let step = Refinement { required_order: Some([0.9, 1.1]), ..flat };
+        let step = Refinement { required_order: Some(1.0), ..flat };
         let refined = judged(Outcome { refinements: vec![step], ..good.clone() });
         assert!(!refined.row.passed(), "{}", refined.reason);
-        assert!(refined.reason.ends_with("refined by time step: order 0.00 +- 0.00 outside of 0.9 to 1.1"));
+        assert!(refined.reason.ends_with("refined by time step: order 0.00 ± 0.00, theory 1"));
         assert_eq!((refined.row.reason.as_str(), refined.refinement_rows().len()), (refined.reason.as_str(), 8));
         let not_a_number = judged(Outcome { required_order: None, ..nothing });
         assert!(!not_a_number.row.passed() && not_a_number.reason.starts_with("the error is not a number"));
@@ -382,28 +359,24 @@ mod tests {
     fn an_order_that_is_not_established_is_neither_passed_nor_failed() {
         // `contrast-k` as it was: 5.7 +- 19 for "3 to 7" from three meshes.
         let errors = vec![(0.1, 3e-4), (0.05, 2e-7), (0.025, 1.1e-7)];
-        let three = Outcome { errors, required_error: 1e-6, required_order: Some([3.0, 7.0]), ..Outcome::default() };
+        let three = Outcome { errors, required_error: 1e-6, required_order: Some(4.0), ..Outcome::default() };
         let found = judged(three.clone());
-        assert_eq!((found.row.verdict.as_str(), found.row.passed(), found.row.open()), (OPEN, true, true));
+        assert_eq!((found.row.verdict, found.row.passed(), found.row.open()), (State::NotEstablished, true, true));
         assert_eq!(found.row.error, 2e-7);
-        assert!(
-            found.reason.contains("order not established (5.71 from only 3 runs; 3 to 7 required)"),
-            "{}",
-            found.reason
-        );
+        assert!(found.reason.contains("order not established (5.71 from only 3 runs), theory 4"), "{}", found.reason);
         // The error that is judged is the larger one of the last two.
         let found = judged(Outcome { required_error: 1.5e-7, ..three });
-        assert_eq!((found.row.verdict.as_str(), found.row.error), (FAILED, 2e-7));
+        assert_eq!((found.row.verdict, found.row.error), (State::Failed, 2e-7));
         // Without an order at all as well: a mesh near a change of sign is luck.
         let errors = vec![(0.1, 0.0062), (0.05, 0.013), (0.025, 5.2e-5)];
         let exit = Outcome { errors, required_error: 0.0125, required_everywhere: Some(0.5), ..Outcome::default() };
         let found = judged(exit.clone());
-        assert_eq!((found.row.error, found.row.required_error, found.row.verdict.as_str()), (0.013, 0.025, PASSED));
+        assert_eq!((found.row.error, found.row.required_error, found.row.verdict), (0.013, 0.025, State::Passed));
         assert!(!judged(Outcome { required_everywhere: None, ..exit }).row.passed());
         // A refinement whose order is open leaves the case open.
         let errors = vec![(4e-6, 4e-3), (2e-6, 2e-3), (1e-6, 1e-3)];
         let step = Refinement::new(crate::experiment::refinement::STEP, errors, "");
-        let step = Refinement { required_order: Some([0.9, 1.1]), ..step };
+        let step = Refinement { required_order: Some(1.0), ..step };
         let one =
             Outcome { errors: vec![(0.1, 1e-3)], required_error: 2e-3, refinements: vec![step], ..Outcome::default() };
         let found = judged(one);

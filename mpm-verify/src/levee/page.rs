@@ -5,7 +5,7 @@ use std::path::Path;
 use mpm_core::failure::Scales;
 
 use super::assumptions;
-use super::claims::{Claim, Verdict as Judged};
+use super::claims::Claim;
 use super::figures::Picture;
 use super::limits::{self, Limit};
 use super::plan::Plan;
@@ -16,7 +16,7 @@ use super::summary::Summary;
 use crate::page::picture::alternative;
 use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
-use crate::page::verdict::{State, Tally, Verdict};
+use crate::page::verdict::{Counts, State, Tally, Verdict};
 use crate::page::{Block, Image, Page, Section, escaped};
 use crate::report::ReportError;
 use crate::report::animation::{self, Player};
@@ -95,7 +95,7 @@ pub fn write(parts: Parts, (known, folder): (&Path, &Path)) -> Result<(), Report
     let papers = claims.is_some();
     let there = |file: &&str| folder.join(file).exists() || known.join(file).exists();
     let files = FILES.into_iter().filter(there).filter(|file| papers || *file != "claims.csv");
-    let tally = claims.map(counts);
+    let counted = claims.map(counts);
     let facts = facts(summary, ranges, papers).into_iter().chain(interval(factors)).collect::<Vec<_>>();
     let assumed = if papers {
         "Input of this run; the paper does not print all of it. How much each assumption matters: `mpm-verify levee --sensitivity`."
@@ -110,11 +110,12 @@ pub fn write(parts: Parts, (known, folder): (&Path, &Path)) -> Result<(), Report
     let headline = (!facts.is_empty()).then(|| Block::Html(cards(&facts)));
     let first = Section { id: "run".to_owned(), ..Section::default() };
     let first = [headline, moving, summary_of_frames].into_iter().flatten().fold(first, Section::with);
+    let tallies = counted.map(|counts| Tally::new("Claims on the levee", counts));
     let report = Report::new(if papers { Kind::Levee } else { Kind::Scene })
-        .counts(tally.clone())
+        .counts(tallies)
         .picture("levee.png", "Water seeps through the soil until its slope fails, as an animation");
     Page::new(title(plan, summary))
-        .verdict(verdict(summary, tally.as_ref()))
+        .verdict(verdict(summary, counted.as_ref()))
         .lead(story(summary, papers))
         .warnings(run.ended.trouble().map(str::to_owned).into_iter().chain(others))
         .style(format!("{STYLE}{}", animation::STYLE))
@@ -166,36 +167,23 @@ fn title(plan: &Plan, summary: &Summary) -> String {
     format!("{subject}: {}{variant}", plan.scene.name)
 }
 
-/// How a verdict is marked.
-fn mark(verdict: Judged) -> &'static str {
-    match verdict {
-        Judged::Reproduced => "good",
-        Judged::ReproducedForAnotherReason => "warn",
-        Judged::NotReproduced => "bad",
-        Judged::NotComparable => "",
-    }
-}
-
-fn counts(claims: &[Claim]) -> Tally {
-    let count = |verdict: Judged| (claims.iter().filter(|c| c.verdict == verdict).count(), verdict.words());
-    let all = [Judged::Reproduced, Judged::NotReproduced, Judged::NotComparable];
-    Tally::in_words("Claims on the levee", all.map(count))
+fn counts(claims: &[Claim]) -> Counts {
+    Counts::of_claims(claims.iter().map(|claim| claim.verdict))
 }
 
 /// The verdict: of a levee that ended as it should, how many claims are reproduced; of another slope, whether its checks passed.
-fn verdict(s: &Summary, tally: Option<&Tally>) -> Verdict {
+fn verdict(s: &Summary, claims: Option<&Counts>) -> Verdict {
     let failed: Vec<&str> = limits::of(s).iter().filter(|limit| !limit.passed()).map(|limit| limit.name).collect();
     if matches!(s.ended.as_str(), "run-failed" | "stopped" | "does-not-stand") {
-        return Verdict::new(State::Failed, format!("The run ended early: {}.", s.ended.replace('-', " ")));
+        return Verdict::new(State::Stopped, format!("The run ended early: {}.", s.ended.replace('-', " ")));
     }
     if let [first, ..] = failed[..] {
         let more = if failed.len() > 1 { format!(" and {} more", failed.len() - 1) } else { String::new() };
         return Verdict::new(State::Failed, format!("A check of the run failed: {first}{more}."));
     }
-    let Some(tally) = tally else { return Verdict::new(State::Passed, "All checks of the run passed.") };
-    let sentence = format!("Claims of the paper and the experiment: {}; all checks of the run passed.", tally.said);
-    let state = if tally.passed == tally.total { State::Passed } else { State::NotEstablished };
-    Verdict::new(state, sentence).saying(format!("{} of {} claims reproduced", tally.passed, tally.total))
+    let Some(claims) = claims else { return Verdict::new(State::Complete, "All checks of the run passed.") };
+    let sentence = format!("Claims of the paper and the experiment: {}; all checks of the run passed.", claims.words());
+    Verdict::new(claims.state(), sentence)
 }
 
 /// Whether and how it failed.
@@ -377,7 +365,7 @@ fn judged(claims: &[Claim]) -> Table {
     let row = |c: &Claim| {
         vec![
             Cell::new(c.paper.clone()).marked(c.rule.clone(), ""),
-            Cell::badge(c.verdict.words(), mark(c.verdict)),
+            Cell::badge(c.verdict.words(), c.verdict.mark()),
             Cell::new(c.value.clone()),
         ]
     };

@@ -41,7 +41,7 @@ pub fn study(results: &[CaseResult], sweeps: &Sweeps) -> Vec<Number> {
     for group in orders::groups(results) {
         for (norm, fit) in group.fits {
             // Two meshes have an order, but nothing says how good it is.
-            if let (Some(fit), true) = (fit, norm.ends_with("compressible") && group.meshes.len() > 2) {
+            if let (Some(fit), true) = (fit.fit, norm.ends_with("compressible") && group.meshes.len() > 2) {
                 measures.push(Number::new(&group.name, &format!("{norm}_order"), Label::Verified, fit.order, ORDER));
             }
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::report::Night;
 use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
-use crate::page::verdict::{State, Tally, Verdict};
+use crate::page::verdict::{Counts, State, Tally, Verdict};
 use crate::page::{Link, Page, Section};
 use crate::report::ReportError;
 
@@ -39,6 +39,7 @@ pub fn write(known: &Path, (name, night): (&str, &Night), folder: &Path) -> Resu
     let head = ["run", "verdict", "commit", "moved numbers", "failed checks", "compared", "CPU (s)", "clock (s)"];
     let table = Table::new("All nightly runs", &head, nights.iter().map(row).collect(), "");
     let failed = nights.iter().filter(|(_, night)| !night.is_green()).count();
+    let counts = Counts::Nights { unchanged: nights.len() - failed, moved: failed };
     let latest = nights.first().map(|(_, night)| night);
     let verdict = latest.map_or_else(
         || Verdict::new(State::NotEstablished, "No nightly run yet."),
@@ -47,7 +48,7 @@ pub fn write(known: &Path, (name, night): (&str, &Night), folder: &Path) -> Resu
     let report = Report {
         date: latest.map_or_else(String::new, |night| night.date.clone()),
         commit: latest.map_or_else(String::new, |night| night.commit.clone()),
-        ..Report::new(Kind::Nightly).counts([Tally::new("Nightly runs", nights.len() - failed, failed, 0)])
+        ..Report::new(Kind::Nightly).counts([Tally::new("Nightly runs", counts)])
     };
     Page::new("Nightly runs")
         .verdict(verdict)

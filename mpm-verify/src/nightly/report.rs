@@ -68,7 +68,7 @@ impl Night {
 
     /// The state of the night.
     pub fn state(&self) -> State {
-        State::of(self.is_green())
+        if self.is_green() { State::Unchanged } else { State::Moved }
     }
 
     /// What was found, in a line.

@@ -293,7 +293,7 @@ impl Page {
             links.iter().map(|link| context! { text => &link.text, href => &link.href }).collect()
         };
         let verdict = self.verdict.as_ref().map(|v| {
-            context! { word => &v.word, mark => v.state.mark(), sentence => &v.sentence }
+            context! { word => v.state.word(), mark => v.state.mark(), sentence => &v.sentence }
         });
         let page = context! {
             title => &self.title,

@@ -9,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::table::{Cell, Table};
-use super::verdict::{State, Tally, Verdict};
+use super::verdict::{Counts, State, Tally, Verdict};
 use super::{Block, Image, Page, Section, escaped};
 use crate::files::STAGE;
 use crate::report::{ReportError, save, unwritable};
@@ -225,24 +225,34 @@ pub fn refresh(root: &Path) -> Result<PathBuf, ReportError> {
     Ok(path)
 }
 
+/// What all reports count, one of each kind in the order of [`Counts`]. A page of a run counts as one.
+fn summed(known: &[Known]) -> Vec<Counts> {
+    let run = |report: &Report| match report.verdict.as_ref()?.state {
+        State::Complete => Some(Counts::Runs { complete: 1, stopped: 0 }),
+        State::Stopped if report.counts.is_empty() => Some(Counts::Runs { complete: 0, stopped: 1 }),
+        _ => None,
+    };
+    let all = known.iter().flat_map(|k| run(&k.report).into_iter().chain(k.report.counts.iter().map(|t| t.counts)));
+    let mut sums: Vec<Counts> = Vec::new();
+    for counts in all {
+        match sums.iter_mut().find_map(|sum| sum.with(&counts).map(|more| (sum, more))) {
+            Some((sum, more)) => *sum = more,
+            None => sums.push(counts),
+        }
+    }
+    sums.sort_by_key(Counts::kind);
+    sums
+}
+
+/// Runs, checks, claims and nights, each with its own count and word.
+fn summary(known: &[Known]) -> Table {
+    let row = |counts: &Counts| {
+        vec![Cell::new(counts.kind().words()), Cell::state(counts.state()), Cell::new(counts.words())]
+    };
+    Table::new("Summary", &["kind", "state", "of which"], summed(known).iter().map(row).collect(), "").words()
+}
+
 fn page(root: &Path, known: &[Known]) -> Page {
-    let failed = known.iter().filter(|k| k.report.verdict.as_ref().is_some_and(|v| v.state == State::Failed)).count();
-    let of = |claims: bool| {
-        let own = known.iter().flat_map(|k| k.report.counts.iter()).filter(move |tally| tally.claims == claims);
-        own.fold((0, 0), |(passed, total), tally| (passed + tally.passed, total + tally.total))
-    };
-    let ((passed, checks), (reproduced, claims)) = (of(false), of(true));
-    let reports = if known.len() == 1 { "1 report".to_owned() } else { format!("{} reports", known.len()) };
-    let counted = [
-        (checks > 0).then(|| format!("{passed} of {checks} checks passed")),
-        (claims > 0).then(|| format!("{reproduced} of {claims} claims of the paper are reproduced")),
-    ];
-    let counted = counted.into_iter().flatten().collect::<Vec<_>>().join(", ");
-    let verdict = match (checks + claims, failed) {
-        (0, 0) => Verdict::new(State::NotEstablished, format!("{reports}, none with a verdict.")),
-        (_, 0) => Verdict::new(State::Passed, format!("{reports}, none failed: {counted}.")),
-        (_, n) => Verdict::new(State::Failed, format!("{n} of {reports} failed: {counted}.")),
-    };
     let hero = hero(root, known);
     let first = match hero {
         Some(image) => Section::new("picture", "").with(Block::Images(vec![image])),
@@ -251,7 +261,8 @@ fn page(root: &Path, known: &[Known]) -> Page {
     Page {
         home: true,
         ..Page::new("Verification of a two-phase double-point material point method")
-            .verdict(verdict)
+            .lead(if known.len() == 1 { "1 report.".to_owned() } else { format!("{} reports.", known.len()) })
+            .section(Section::new("summary", "Summary").tables([summary(known)]))
             .section(first)
             .section(Section::new("verdicts", "Verdicts").tables([verdicts(known)]))
             .section(Section::new("reports", "Reports").with(Block::Html(list(known))))
@@ -283,11 +294,10 @@ fn verdicts(known: &[Known]) -> Table {
     for Known { folder, report } in known {
         let date = report.date.get(..10).unwrap_or(&report.date).to_owned();
         for tally in &report.counts {
-            let state = tally.state();
             rows.push(vec![
                 Cell::new(tally.label.clone()).linked(&format!("{folder}/index.html")),
-                Cell::badge(tally.word(), state.mark()),
-                Cell::new(tally.said.clone()),
+                Cell::state(tally.counts.state()),
+                Cell::new(tally.counts.words()),
                 Cell::new(date.clone()),
             ]);
         }
@@ -300,7 +310,7 @@ fn list(known: &[Known]) -> String {
     let mut html = "<ul class=\"reports\">".to_owned();
     for Known { folder, report } in known {
         let badge = report.verdict.as_ref().map_or_else(String::new, |v| {
-            format!("<span class=\"badge {}\">{}</span> ", v.state.mark(), escaped(&v.word))
+            format!("<span class=\"badge {}\">{}</span> ", v.state.mark(), escaped(&v.state.word()))
         });
         let said = report.verdict.as_ref().map_or("", |v| &v.sentence);
         let when: Vec<&str> =

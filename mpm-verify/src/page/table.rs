@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::verdict::State;
+
 /// A table.
 #[derive(Debug, Clone, Serialize)]
 pub struct Table {
@@ -58,6 +60,11 @@ impl Cell {
     /// A badge: a verdict with the class of its colour.
     pub fn badge(text: impl Into<String>, mark: &'static str) -> Self {
         Self { mark, badge: true, ..Self::new(text) }
+    }
+
+    /// The badge of a state.
+    pub fn state(state: State) -> Self {
+        Self::badge(state.word(), state.mark())
     }
 
     /// A cell whose text may hold `code` between backticks and links as `[text](target)`.

@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 
 use super::site::{Kind, RECORD, Report};
 use super::table::{Cell, Table};
-use super::verdict::{State, Tally, Verdict, WORDS};
+use super::verdict::{Checks, Counts, State, Tally, Verdict, WORDS};
 use super::{Block, Page, Section, prose, site};
 use crate::manifest::Manifest;
 use crate::report::plots::axis::Axis;
@@ -91,10 +91,76 @@ fn texts_may_hold_code_and_links_and_nothing_else() {
 
 #[test]
 fn verdicts_are_counted_and_short() {
-    let tally = Tally::new("Suite", 3, 1, 0);
-    assert_eq!((tally.state(), tally.total, tally.said.as_str()), (State::Failed, 4, "3 passed, 1 failed"));
-    assert_eq!(Tally::new("", 0, 0, 2).state(), State::NotEstablished);
+    let checks = |passed, degraded, not_established, failed| {
+        Counts::Checks(Checks { passed, degraded, not_established, failed, ..Checks::default() })
+    };
+    let counts = checks(3, 0, 0, 1);
+    assert_eq!((counts.state(), counts.total(), counts.words()), (State::Failed, 4, "3 passed, 1 failed".to_owned()));
+    assert_eq!(checks(0, 0, 2, 0).state(), State::NotEstablished);
+    // A default scheme that degrades is never green.
+    assert_eq!((checks(30, 1, 0, 0).state(), checks(30, 1, 0, 0).state().mark()), (State::Degraded, "warn"));
     assert_eq!(serde_json::to_string(&State::NotEstablished).expect("JSON"), "\"not established\"");
+}
+
+/// A home page made from reports of each kind: runs, checks, claims and nights have counts, words and colours of their own.
+#[test]
+fn home_says_each_kind_of_verdict_with_its_own_word() {
+    let place = tempfile::tempdir().expect("a folder");
+    let root = place.path().join("reports");
+    let report = |name: &str, kind: Kind, state: State, counts: Option<Counts>| {
+        let folder = root.join(name);
+        fs::create_dir_all(&folder).expect("a folder");
+        let report = Report::new(kind).counts(counts.map(|counts| Tally::new(name, counts)));
+        let page = Page::new(name).verdict(Verdict::new(state, "A sentence.")).report(report);
+        page.write(&folder.join("index.html")).expect("a page");
+    };
+    let of = |counts: Counts| (counts.state(), Some(counts));
+    let claims = Counts::Claims { reproduced: 11, not_reproduced: 9, not_comparable: 1 };
+    let checks = Counts::Checks(Checks { passed: 7, not_established: 3, ..Checks::default() });
+    let degraded = Counts::Checks(Checks { passed: 14, degraded: 10, stopped: 8, ..Checks::default() });
+    let nights = Counts::Nights { unchanged: 4, moved: 0 };
+    let all = [
+        (Kind::Levee, of(claims)),
+        (Kind::Suite, of(checks)),
+        (Kind::StressTests, of(degraded)),
+        (Kind::Nightly, of(nights)),
+    ];
+    for (number, (kind, (state, counts))) in all.into_iter().enumerate() {
+        report(&format!("report-{number}"), kind, state, counts);
+    }
+    report("a-run", Kind::Scene, State::Complete, None);
+    let page = |root: &Path| fs::read_to_string(site::refresh(root).expect("a home page")).expect("a page");
+    let html = page(&root);
+    let badge = |mark: &str, word: &str| format!("<span class=\"badge {mark}\">{word}</span>");
+    for (badge, counts) in [
+        (badge("", "complete"), "1 complete"),
+        (badge("warn", "degraded"), "21 passed, 10 degraded, 8 stopped with a reason, 3 not established"),
+        (badge("warn", "11 of 21 reproduced"), "11 reproduced, 9 not reproduced, 1 not comparable"),
+        (badge("good", "unchanged"), "4 unchanged"),
+    ] {
+        assert!(html.contains(&format!("{badge}</td><td>{counts}</td>")), "{badge} {counts}: {html}");
+    }
+    // No verdict over all, and nothing is green but what passed or has not moved.
+    assert!(!html.contains("<p class=\"verdict\">"), "{html}");
+    let green: Vec<&str> = html.split("badge good\">").skip(1).filter_map(|rest| rest.split('<').next()).collect();
+    assert!(green.iter().all(|word| ["passed", "unchanged"].contains(word)), "{green:?}");
+    report("b-run", Kind::Scene, State::Stopped, None);
+    assert!(page(&root).contains(&format!("{}</td><td>1 complete, 1 stopped</td>", badge("bad", "stopped"))));
+}
+
+#[test]
+fn records_of_earlier_versions_are_read() {
+    let claims = r#"{"label": "Claims", "passed": 5, "failed": 2, "not_established": 1, "total": 8, "said": "", "claims": true}"#;
+    let tally: Tally = serde_json::from_str(claims).expect("a tally");
+    assert_eq!(tally.counts, Counts::Claims { reproduced: 5, not_reproduced: 2, not_comparable: 1 });
+    let checks = r#"{"label": "Suite", "passed": 5, "failed": 2, "not_established": 1, "total": 8, "said": ""}"#;
+    let tally: Tally = serde_json::from_str(checks).expect("a tally");
+    assert_eq!(tally.counts.words(), "5 passed, 1 not established, 2 failed");
+    let again: Tally = serde_json::from_str(&serde_json::to_string(&tally).expect("JSON")).expect("a tally");
+    assert_eq!(again, tally);
+    let verdict = r#"{"state": "not established", "word": "5 of 8 claims reproduced", "sentence": "S."}"#;
+    let verdict: Verdict = serde_json::from_str(verdict).expect("a verdict");
+    assert_eq!(verdict, Verdict::new(State::NotEstablished, "S."));
 }
 
 #[test]
@@ -199,7 +265,8 @@ fn home_reaches_every_page_and_every_page_leads_home() {
         let folder = root.join(name);
         fs::create_dir_all(folder.join("plots")).expect("a folder");
         crate::report::plots::write(&figure(), &folder.join("plots")).expect("a picture");
-        let report = Report::new(kind).counts([Tally::new(name, 2, 0, 1)]).picture("plots/errors.svg", "errors");
+        let counts = Counts::Checks(Checks { passed: 2, not_established: 1, ..Checks::default() });
+        let report = Report::new(kind).counts([Tally::new(name, counts)]).picture("plots/errors.svg", "errors");
         page.report(report).write(&folder.join("index.html")).expect("a page");
     };
     report("levee", Kind::Levee, page());

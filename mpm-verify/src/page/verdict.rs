@@ -2,134 +2,238 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The three states of anything that is checked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum State {
-    /// Everything required is met.
-    #[serde(rename = "passed")]
-    Passed,
-    /// A requirement is not met, or a run failed.
-    #[serde(rename = "failed")]
-    Failed,
-    /// The results at hand do not suffice to tell.
-    #[serde(rename = "not established")]
-    NotEstablished,
-}
-
-impl State {
-    /// In words.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Passed => "passed",
-            Self::Failed => "failed",
-            Self::NotEstablished => "not established",
-        }
-    }
-
-    /// The class of its badge.
-    pub const fn mark(self) -> &'static str {
-        match self {
-            Self::Passed => "good",
-            Self::Failed => "bad",
-            Self::NotEstablished => "warn",
-        }
-    }
-
-    /// `Passed` or `Failed`.
-    pub const fn of(passed: bool) -> Self {
-        if passed { Self::Passed } else { Self::Failed }
-    }
-}
+use crate::claims;
+pub use crate::verdict::State;
 
 /// Most words of the sentence of a verdict.
 pub const WORDS: usize = 25;
 
-/// A badge and one sentence of at most [`WORDS`] words.
+/// A badge, which is the word of its state, and one sentence of at most [`WORDS`] words.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Verdict {
     /// The state.
     pub state: State,
-    /// Text of the badge.
-    pub word: String,
     /// The sentence.
     pub sentence: String,
 }
 
 impl Verdict {
-    /// A verdict whose badge is the word of its state.
+    /// A verdict with its sentence.
     pub fn new(state: State, sentence: impl Into<String>) -> Self {
-        Self { state, word: state.word().to_owned(), sentence: sentence.into() }
-    }
-
-    /// With another text of the badge: `6 of 8 reproduced`.
-    pub fn saying(self, word: impl Into<String>) -> Self {
-        Self { word: word.into(), ..self }
+        Self { state, sentence: sentence.into() }
     }
 }
 
 /// Verdicts of one kind, counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Counts {
+    /// Whether runs came to their end.
+    Runs {
+        /// How many did.
+        complete: usize,
+        /// How many did not.
+        stopped: usize,
+    },
+    /// Results beside the truth.
+    Checks(Checks),
+    /// Claims of others.
+    Claims {
+        /// How many are reproduced.
+        reproduced: usize,
+        /// How many are not.
+        not_reproduced: usize,
+        /// Of how many it cannot be told.
+        not_comparable: usize,
+    },
+    /// Nights beside what is accepted.
+    Nights {
+        /// How many moved nothing.
+        unchanged: usize,
+        /// How many moved something.
+        moved: usize,
+    },
+}
+
+/// Results beside the truth, counted.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Checks {
+    /// How many passed.
+    pub passed: usize,
+    /// How many are worse than required where more is not expected to hold.
+    pub degraded: usize,
+    /// How many stopped with a reason in place of a wrong result.
+    pub stopped: usize,
+    /// How many are not established.
+    pub not_established: usize,
+    /// How many failed.
+    pub failed: usize,
+}
+
+/// What is counted; the order is that of the home page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// Runs.
+    Runs,
+    /// Results beside the truth.
+    Checks,
+    /// Claims of others.
+    Claims,
+    /// Nights.
+    Nights,
+}
+
+impl Kind {
+    /// As the home page names it.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Runs => "Runs",
+            Self::Checks => "Checks against exact or published results",
+            Self::Claims => "Claims of the paper and the experiment",
+            Self::Nights => "Nightly runs",
+        }
+    }
+}
+
+impl Counts {
+    /// Claims with these verdicts; one that is reproduced for another reason than its author gives is reproduced.
+    pub fn of_claims(verdicts: impl IntoIterator<Item = claims::Verdict>) -> Self {
+        use claims::Verdict::{NotComparable, NotReproduced, Reproduced, ReproducedForAnotherReason};
+        let (mut reproduced, mut not_reproduced, mut not_comparable) = (0, 0, 0);
+        for verdict in verdicts {
+            *match verdict {
+                Reproduced | ReproducedForAnotherReason => &mut reproduced,
+                NotReproduced => &mut not_reproduced,
+                NotComparable => &mut not_comparable,
+            } += 1;
+        }
+        Self::Claims { reproduced, not_reproduced, not_comparable }
+    }
+
+    /// What is counted.
+    pub const fn kind(&self) -> Kind {
+        match self {
+            Self::Runs { .. } => Kind::Runs,
+            Self::Checks(_) => Kind::Checks,
+            Self::Claims { .. } => Kind::Claims,
+            Self::Nights { .. } => Kind::Nights,
+        }
+    }
+
+    /// Each count with its word.
+    fn parts(&self) -> Vec<(usize, &'static str)> {
+        match *self {
+            Self::Runs { complete, stopped } => vec![(complete, "complete"), (stopped, "stopped")],
+            Self::Checks(Checks { passed, degraded, stopped, not_established, failed }) => vec![
+                (passed, "passed"),
+                (degraded, "degraded"),
+                (stopped, "stopped with a reason"),
+                (not_established, "not established"),
+                (failed, "failed"),
+            ],
+            Self::Claims { reproduced, not_reproduced, not_comparable } => {
+                vec![(reproduced, "reproduced"), (not_reproduced, "not reproduced"), (not_comparable, "not comparable")]
+            }
+            Self::Nights { unchanged, moved } => vec![(unchanged, "unchanged"), (moved, "moved")],
+        }
+    }
+
+    /// In words: `6 reproduced, 2 not reproduced`.
+    pub fn words(&self) -> String {
+        let parts: Vec<String> =
+            self.parts().iter().filter(|(n, _)| *n > 0).map(|(n, word)| format!("{n} {word}")).collect();
+        if parts.is_empty() { "none".to_owned() } else { parts.join(", ") }
+    }
+
+    /// How many there are.
+    pub fn total(&self) -> usize {
+        self.parts().iter().map(|(n, _)| n).sum()
+    }
+
+    /// The state that follows from the counts: the worst of all.
+    pub fn state(&self) -> State {
+        match *self {
+            Self::Runs { stopped: 1.., .. } => State::Stopped,
+            Self::Runs { .. } => State::Complete,
+            Self::Checks(Checks { failed: 1.., .. }) => State::Failed,
+            Self::Checks(Checks { degraded: 1.., .. }) => State::Degraded,
+            // Most of a suite may pass with an order that is not established, and a scheme may refuse what it cannot do.
+            Self::Checks(Checks { passed: 0, .. }) => State::NotEstablished,
+            Self::Checks(_) => State::Passed,
+            Self::Claims { reproduced, .. } => State::Claims { reproduced, total: self.total() },
+            Self::Nights { moved: 1.., .. } => State::Moved,
+            Self::Nights { .. } => State::Unchanged,
+        }
+    }
+
+    /// With the counts of another of the same kind; `None` for one of another kind.
+    pub fn with(&self, other: &Self) -> Option<Self> {
+        Some(match (*self, *other) {
+            (Self::Runs { complete: a, stopped: b }, Self::Runs { complete, stopped }) => {
+                Self::Runs { complete: a + complete, stopped: b + stopped }
+            }
+            (Self::Checks(a), Self::Checks(b)) => Self::Checks(Checks {
+                passed: a.passed + b.passed,
+                degraded: a.degraded + b.degraded,
+                stopped: a.stopped + b.stopped,
+                not_established: a.not_established + b.not_established,
+                failed: a.failed + b.failed,
+            }),
+            (
+                Self::Claims { reproduced: a, not_reproduced: b, not_comparable: c },
+                Self::Claims { reproduced, not_reproduced, not_comparable },
+            ) => Self::Claims {
+                reproduced: a + reproduced,
+                not_reproduced: b + not_reproduced,
+                not_comparable: c + not_comparable,
+            },
+            (Self::Nights { unchanged: a, moved: b }, Self::Nights { unchanged, moved }) => {
+                Self::Nights { unchanged: a + unchanged, moved: b + moved }
+            }
+            _ => return None,
+        })
+    }
+}
+
+/// Verdicts of one kind in a report, counted.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "Stored")]
 pub struct Tally {
     /// Of what: `Verification suite`.
     pub label: String,
-    /// How many passed (claims: are reproduced).
-    pub passed: usize,
-    /// How many failed (claims: are not reproduced).
-    pub failed: usize,
-    /// How many are not established (claims: not comparable; stress tests: degraded or stopped).
-    pub not_established: usize,
-    /// How many there are.
-    pub total: usize,
-    /// The counts in the words of their kind: `6 reproduced, 2 not reproduced`.
-    pub said: String,
-    /// Whether they are claims of the paper, which are reproduced or not, rather than checks, which pass or fail.
-    #[serde(default)]
-    pub claims: bool,
+    /// The counts.
+    pub counts: Counts,
 }
 
 impl Tally {
-    /// Counts in the usual words.
-    pub fn new(label: &str, passed: usize, failed: usize, not_established: usize) -> Self {
-        Self::in_words(label, [(passed, "passed"), (failed, "failed"), (not_established, "not established")])
+    /// Counts with what they are of.
+    pub fn new(label: &str, counts: Counts) -> Self {
+        Self { label: label.to_owned(), counts }
     }
+}
 
-    /// Counts of passed, failed and not established, each with its word.
-    pub fn in_words(label: &str, counts: [(usize, &str); 3]) -> Self {
-        let parts: Vec<String> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, word)| format!("{n} {word}")).collect();
-        let [passed, failed, not_established] = counts.map(|(n, _)| n);
-        let total = passed + failed + not_established;
-        let said = if parts.is_empty() { "none".to_owned() } else { parts.join(", ") };
-        let claims = counts[0].1 == "reproduced";
-        Self { label: label.to_owned(), passed, failed, not_established, total, said, claims }
-    }
+/// A tally as it is stored; before the counts had kinds of their own there were three numbers.
+#[derive(Deserialize)]
+struct Stored {
+    label: String,
+    counts: Option<Counts>,
+    #[serde(default)]
+    passed: usize,
+    #[serde(default)]
+    failed: usize,
+    #[serde(default)]
+    not_established: usize,
+    #[serde(default)]
+    claims: bool,
+}
 
-    /// Claims, counted.
-    pub fn of_claims(label: &str, reproduced: usize, not_reproduced: usize, not_comparable: usize) -> Self {
-        let counts =
-            [(reproduced, "reproduced"), (not_reproduced, "not reproduced"), (not_comparable, "not comparable")];
-        Self::in_words(label, counts)
-    }
-
-    /// With other words for the counts.
-    pub fn saying(self, said: impl Into<String>) -> Self {
-        Self { said: said.into(), ..self }
-    }
-
-    /// Text of its badge: the word of its state, or how many claims are reproduced.
-    pub fn word(&self) -> String {
-        match self.claims {
-            true => format!("{} of {} reproduced", self.passed, self.total),
-            false => self.state().word().to_owned(),
-        }
-    }
-
-    /// The state that follows from the counts. A claim that is not reproduced is no failure of this program.
-    pub fn state(&self) -> State {
-        match self {
-            Self { claims: true, passed, total, .. } if passed < total => State::NotEstablished,
-            Self { failed: 1.., .. } => State::Failed,
-            Self { passed: 0, .. } => State::NotEstablished,
-            _ => State::Passed,
-        }
+impl From<Stored> for Tally {
+    fn from(Stored { label, counts, passed, failed, not_established, claims }: Stored) -> Self {
+        let earlier = match claims {
+            true => Counts::Claims { reproduced: passed, not_reproduced: failed, not_comparable: not_established },
+            false => Counts::Checks(Checks { passed, failed, not_established, ..Checks::default() }),
+        };
+        Self { label, counts: counts.unwrap_or(earlier) }
     }
 }

@@ -1,4 +1,5 @@
-//! The leaderboard: codes by cases, error at equal cells, order, CPU time against error; a page for each case and each code.
+//! The leaderboard: how many cases each code solves to 1 % and 0.1 % at which cost; codes by cases; a page for each case and each
+//! code.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,18 +13,21 @@ use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
 use crate::page::{Block, Image, Page, Section};
 use crate::provenance;
+use crate::rates::Order;
 use crate::report::case::section_of;
+use crate::report::content::table::{order_cell, order_rule};
 use crate::report::numbers::{exact, short};
 use crate::report::plots::axis::Axis;
 use crate::report::plots::figure::{Figure, Mark, Panel, Point, Series};
 use crate::report::plots::look::{BLACK, Dash, GREY, Look, Marker, nth};
 use crate::report::plots::{self};
 use crate::report::{ReportError, save, tables, unwritable};
+use crate::study::word;
 
 /// Name of the table of all scores.
 pub const BOARD: &str = "leaderboard.csv";
 const COLUMNS: &str = "code,version,date,case,seed,verdict,refinement,error,order,order_half_width,expected_first,expected_second,\
-    cpu_s,wall_s,peak_mib,conservation,mistakes,flags,reason";
+    cpu_s,wall_s,peak_mib,conservation,mistakes,flags,reason,order_verdict,solve_s";
 
 /// All scores, codes of one name together, in the order of their names but ours first.
 pub fn merged(codes: Vec<Code>) -> Vec<Code> {
@@ -36,8 +40,22 @@ pub fn merged(codes: Vec<Code>) -> Vec<Code> {
     all.into_values().collect()
 }
 
+/// Errors within which a case counts as solved, in words.
+const WITHIN: [(f64, &str); 2] = [(1e-2, "1 %"), (1e-3, "0.1 %")];
+/// Errors that differ by a smaller factor are alike.
+const ALIKE: f64 = 1.5;
+
 /// Smaller errors are round-off, and have no place in a picture.
 const FLOOR: f64 = 1e-13;
+
+/// Judges stored scores by the rule of today.
+pub fn judge(codes: &mut [Code], cases: &[Case]) {
+    for score in codes.iter_mut().flat_map(|code| &mut code.scores) {
+        if let Some(case) = cases.iter().find(|case| case.name == score.case) {
+            score.judge(case);
+        }
+    }
+}
 
 /// Name under which our own code stands.
 pub const OWN: &str = "mpm-verify";
@@ -96,21 +114,24 @@ pub fn write(codes: &[Code], cases: &[Case], folder: &Path) -> Result<(), Report
         fs::create_dir_all(&own).map_err(|e| unwritable(&own, e))?;
         code_page(code, Some("../../cases")).below("Leaderboard", "../../index.html").write(&own.join("index.html"))?;
     }
-    let picture = speed(codes, &cases);
+    let picture = solved(codes, &cases);
     let plots = folder.join("plots");
     fs::create_dir_all(&plots).map_err(|e| unwritable(&plots, e))?;
     plots::write(&picture, &plots)?;
+    let (shared, alone): (Vec<&Case>, Vec<&Case>) = cases.iter().partition(|case| answers(codes, case).count() > 1);
     let report = Report::new(Kind::Leaderboard)
-        .picture("plots/cpu-against-error.png", "CPU time against error of all codes on one case");
+        .picture("plots/solved-against-cpu.svg", "Share of all cases that each code solves within a CPU time");
     let sentence = format!("{} codes on {} cases with exact or published solutions.", codes.len(), cases.len());
     let mut page = Page::new("Leaderboard")
         .lead(format!(
             "{sentence} Each code answers the same `case.json` by itself, is measured from outside, and is judged in the norms of the \
              verification suite."
         ))
-        .section(Section::new("speed", "CPU time against error").figure(&picture))
-        .section(matrix(codes, &cases))
-        .section(Section::new("codes", "Codes").tables([table_of_codes(codes)]))
+        .section(Section::new("solved", "Cases solved").figure(&picture).tables([totals(codes, &cases)]).note(MEASURED))
+        .section(Section::new("cheaper", "Where another code is cheaper").tables(cheaper(codes, &cases)))
+        .section(matrix(codes, &shared, ("scores", "Cases that several codes answer")))
+        .section(matrix(codes, &alone, ("alone", "Cases that one code answers")).folded())
+        .section(Section::new("codes", "Verdicts by code").tables([table_of_codes(codes)]))
         .section(Section::new("data", "Data").files([BOARD]))
         .report(Report { date: latest(codes), commit: provenance::commit().to_owned(), ..report });
     page.sections.retain(|section| !section.blocks.is_empty());
@@ -132,7 +153,8 @@ fn rows(codes: &[Code]) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     for code in codes {
         for score in &code.scores {
-            let none = [Level { refinement: f64::NAN, error: None, cpu_s: None, wall_s: None, peak_mib: None }];
+            let none =
+                [Level { refinement: f64::NAN, error: None, cpu_s: None, wall_s: None, peak_mib: None, solve_s: None }];
             let levels = if score.levels.is_empty() { &none[..] } else { &score.levels[..] };
             for level in levels {
                 let refinement = if level.refinement.is_nan() { String::new() } else { level.refinement.to_string() };
@@ -156,6 +178,8 @@ fn rows(codes: &[Code]) -> Vec<Vec<String>> {
                     score.mistakes.join("; "),
                     score.flags.join("; "),
                     score.reason.clone(),
+                    score.convergence().words(),
+                    maybe(level.solve_s),
                 ]);
             }
         }
@@ -164,29 +188,39 @@ fn rows(codes: &[Code]) -> Vec<Vec<String>> {
 }
 
 /// Codes by cases.
-fn matrix(codes: &[Code], cases: &[&Case]) -> Section {
+fn matrix(codes: &[Code], cases: &[&Case], (id, title): (&str, &str)) -> Section {
+    if cases.is_empty() {
+        return Section::new(id, title);
+    }
     let row = |case: &&Case| {
         let at = common(codes, &case.name);
         let on = at.map_or_else(String::new, |at| format!("{at} {}", case.refined_by));
         let mut row = vec![Cell::new(case.name.clone()).linked(&format!("cases/{}/index.html", case.name)).small(on)];
         row.extend(codes.iter().map(|code| match code.scores.iter().find(|score| score.case == case.name) {
-            None => Cell::new("–"),
-            Some(score) if score.verdict == Verdict::NotRun => Cell::new("–").small("not run"),
-            Some(score) => {
+            Some(score) if score.verdict != Verdict::NotRun => {
                 let error =
                     at.and_then(|at| level(score, at)?.error).map_or_else(|| "–".to_owned(), |e| short(e.abs(), 2));
-                let order = score.order.map_or_else(String::new, |order| format!(", order {}", short(order, 2)));
+                let found = score.convergence();
+                let order = match found.order {
+                    Order::NotExpected | Order::NotEstablished => String::new(),
+                    Order::RoundOff => ", round-off".to_owned(),
+                    Order::Passed | Order::Failed => format!(", order {}", found.words()),
+                };
                 badge(score.verdict).small(format!("{error}{order}"))
             }
+            _ => Cell::new("–"),
         }));
         row
     };
     let mut head = vec!["case, refinement of the errors"];
     head.extend(codes.iter().map(|code| code.name.as_str()));
-    let note = "Verdict; below it the error on the finest refinement that all codes with an answer have, and the order over all refinements. A dash: the code \
-                does not answer the case.";
-    let table = Table::new("Codes by cases", &head, cases.iter().map(row).collect(), note);
-    Section::new("scores", "Scores").index(table)
+    let note = format!(
+        "Verdict; below it the error on the finest refinement that all codes with an answer have, and the order over all refinements where it is \
+         established. A dash: the code does not answer the case. {}",
+        order_rule()
+    );
+    let table = Table::new("Codes by cases", &head, cases.iter().map(row).collect(), &note);
+    Section::new(id, title).index(table)
 }
 
 fn table_of_codes(codes: &[Code]) -> Table {
@@ -202,7 +236,7 @@ fn table_of_codes(codes: &[Code]) -> Table {
             Cell::new(code.date.get(..10).unwrap_or(&code.date).to_owned()),
         ]
     };
-    let head = ["code", "version", "passes", "passes at first order", "wrong", "not run", "date"];
+    let head = ["code", "version", "passes", "passes at first order", "wrong", "not answered", "date"];
     Table::new("Codes", &head, codes.iter().map(row).collect(), "")
 }
 
@@ -231,6 +265,11 @@ fn curves(codes: &[Code], case: &Case, name: &'static str) -> Figure {
         mesh.add(Series::new(&code.name, look, Mark::LinePoints, known().map(|(level, e)| point(level.refinement, e))));
         let timed = known().filter_map(|(level, e)| Some(point(level.cpu_s?, e)));
         cost.add(Series::new(&code.name, look, Mark::LinePoints, timed).unlisted());
+        let stated: Vec<Point> = known().filter_map(|(level, e)| Some(point(level.solve_s?, e))).collect();
+        if !stated.is_empty() {
+            let look = look.dash(Dash::Dashed);
+            cost.add(Series::new(format!("{}, solution alone", code.name), look, Mark::LinePoints, stated));
+        }
     }
     let ticks = case.refinements.iter().map(|refinement| (*refinement, refinement.to_string())).collect();
     let finest = case.refinements[case.refinements.len() - 1];
@@ -250,37 +289,150 @@ fn curves(codes: &[Code], case: &Case, name: &'static str) -> Figure {
     Figure {
         name,
         title: format!("{}: error against cells and against CPU time", case.name),
-        caption: "Error in the norm of the case. Filled: too large; open: too small. CPU time is that of the whole command, start of the program \
-                  included."
-            .to_owned(),
+        caption: format!("Error in the norm of the case. Filled: too large; open: too small. {MEASURED}"),
         height: 320.0,
         panels,
         missing: Vec::new(),
     }
 }
 
-/// The picture of the leaderboard: of the cases that have an order the one that most codes answer.
-fn speed(codes: &[Code], cases: &[&Case]) -> Figure {
-    let answered = |case: &&&Case| {
-        let known = codes.iter().flat_map(|code| &code.scores).filter(|s| s.case == case.name && s.finest().is_some());
-        known.count()
+/// What CPU time is.
+const MEASURED: &str = "CPU time is that of the whole command, measured from outside, the start of the program included: alike for all \
+                        codes. That of the solution alone is what a code says of itself in `run.json`.";
+
+/// The answers to a case.
+fn answers<'a>(codes: &'a [Code], case: &'a Case) -> impl Iterator<Item = (&'a Code, &'a Score)> {
+    codes.iter().filter_map(move |code| {
+        let own = code.scores.iter().find(|score| score.case == case.name && score.verdict != Verdict::NotRun)?;
+        Some((code, own))
+    })
+}
+
+/// The coarsest refinement from which on all errors are within a share; errors in m are shares of the longer side of the soil.
+fn within<'a>(case: &Case, score: &'a Score, share: f64) -> Option<&'a Level> {
+    let side = case.scene().filter(|_| case.error_unit == "m").map_or(1.0, |scene| scene.height.max(scene.width));
+    let fine = |level: &&Level| level.error.is_some_and(|error| error.abs() <= share * side);
+    score.levels.iter().rev().filter(|level| level.error.is_some()).take_while(fine).last()
+}
+
+/// The share of all cases that each code solves within a CPU time (Dolan & More 2002, More & Wild 2009).
+fn solved(codes: &[Code], cases: &[&Case]) -> Figure {
+    let panel = |(share, words): (f64, &str)| {
+        let mut panel = Panel::new(
+            &format!("Error of at most {words}"),
+            Axis::log("CPU time (s)", "cpu_s"),
+            Axis::linear("share of all cases (%)", "share_percent").range(0.0, 100.0),
+        );
+        for (code, look) in looks(codes) {
+            let cost = |case: &&Case| {
+                let (_, score) = answers(std::slice::from_ref(code), case).next()?;
+                within(case, score, share)?.cpu_s
+            };
+            let mut costs: Vec<f64> = cases.iter().filter_map(cost).collect();
+            costs.sort_by(f64::total_cmp);
+            let percent = |n: usize| 100.0 * n as f64 / cases.len() as f64;
+            let steps = costs.iter().enumerate().flat_map(|(n, cost)| [(*cost, percent(n)), (*cost, percent(n + 1))]);
+            panel.add(Series::line(&code.name, look.width(2.0), steps));
+        }
+        panel
     };
-    // Of as many the first.
-    match cases.iter().filter(|case| !case.exact_by_nature).rev().max_by_key(answered) {
-        Some(case) => curves(codes, case, "cpu-against-error"),
-        None => Figure { panels: vec![Panel::blank()], ..empty() },
+    let panels: Vec<Panel> = WITHIN.map(panel).to_vec();
+    Figure {
+        name: "solved-against-cpu",
+        title: "Cases solved within a CPU time".to_owned(),
+        caption: format!(
+            "Share of all {} cases that a code solves to 1 % (left) and to 0.1 % (right) within a CPU time, on the coarsest refinement from which \
+             on all errors are within that. Higher and further left is better; a case that a code does not answer is not solved.",
+            cases.len()
+        ),
+        height: 300.0,
+        missing: Vec::new(),
+        panels,
     }
 }
 
-fn empty() -> Figure {
-    Figure {
-        name: "cpu-against-error",
-        title: String::new(),
-        caption: String::new(),
-        height: 100.0,
-        panels: Vec::new(),
-        missing: vec!["no code has answered a case".to_owned()],
-    }
+/// What each code solves, and at which cost.
+fn totals(codes: &[Code], cases: &[&Case]) -> Table {
+    let row = |code: &Code| {
+        let own = || cases.iter().filter_map(|case| Some((*case, answers(std::slice::from_ref(code), case).next()?.1)));
+        let answered = own().count();
+        let levels = |share: f64| own().filter_map(move |(case, score)| within(case, score, share));
+        let mut row = vec![
+            Cell::new(code.name.clone()).linked(&format!("codes/{}/index.html", file_name(&code.name))),
+            Cell::new(answered.to_string()),
+        ];
+        for (share, _) in WITHIN {
+            let solved = levels(share).count();
+            let of = |all: usize| format!("{:.0} %", 100.0 * solved as f64 / all.max(1) as f64);
+            row.extend([Cell::new(of(answered)), Cell::new(of(cases.len()))]);
+        }
+        row.push(median(levels(WITHIN[0].0).filter_map(|level| level.cpu_s)));
+        row.push(median(levels(WITHIN[0].0).filter_map(|level| level.solve_s)));
+        let runs = code.scores.iter().flat_map(|score| &score.levels).filter_map(|level| level.cpu_s);
+        let least = runs.fold(f64::INFINITY, f64::min);
+        row.push(Cell::new(if least.is_finite() { short(least, 2) } else { "–".to_owned() }));
+        row
+    };
+    let head = [
+        "code",
+        "cases answered",
+        "1 %: of answered",
+        "1 %: of all",
+        "0.1 %: of answered",
+        "0.1 %: of all",
+        "CPU for 1 %, median (s)",
+        "solution alone (s)",
+        "least CPU of a run (s)",
+    ];
+    let note = format!(
+        "Solved: every error from one refinement on is within 1 % or 0.1 %; of {} cases that any code answers. Medians are over the cases that \
+         the code itself solves. The least CPU time of any run is next to that of the start of the program.",
+        cases.len()
+    );
+    Table::new("Cases solved by each code", &head, codes.iter().map(row).collect(), &note)
+}
+
+/// The middle of some times, s.
+fn median(times: impl Iterator<Item = f64>) -> Cell {
+    let mut times: Vec<f64> = times.collect();
+    times.sort_by(f64::total_cmp);
+    Cell::new(times.get(times.len() / 2).map_or_else(|| "–".to_owned(), |time| short(*time, 2)))
+}
+
+/// Cases on which another code is about as accurate as ours for less CPU time, and why.
+fn cheaper(codes: &[Code], cases: &[&Case]) -> Option<Table> {
+    let row = |case: &&Case| {
+        let at = common(codes, &case.name)?;
+        let found = |score: &Score| {
+            let level = level(score, at)?;
+            Some((level.error?.abs(), level.cpu_s?))
+        };
+        let (error, cpu) = answers(codes, case).find(|(code, _)| code.name == OWN).and_then(|(_, own)| found(own))?;
+        let others = answers(codes, case).filter(|(code, _)| code.name != OWN);
+        let alike = others.filter_map(|(code, score)| Some((code, found(score)?)));
+        let alike = alike.filter(|(_, (other, time))| *other <= ALIKE * error && *time < cpu);
+        let (code, (other, time)) = alike.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+        let method = case.scene().map_or_else(|| "–".to_owned(), |scene| word(scene.integrator));
+        Some(vec![
+            Cell::new(case.name.clone()).linked(&format!("cases/{}/index.html", case.name)),
+            Cell::new(code.name.clone()),
+            Cell::new(short(other, 2)),
+            Cell::new(short(time, 2)),
+            Cell::new(short(error, 2)),
+            Cell::new(short(cpu, 2)),
+            Cell::new(method),
+        ])
+    };
+    let rows: Vec<_> = cases.iter().filter_map(row).collect();
+    let head = ["case", "code", "its error", "its CPU (s)", "our error", "our CPU (s)", "our integrator"];
+    let note = format!(
+        "On the finest refinement that all codes with an answer have, errors at most {ALIKE} times ours; the cheapest of the other codes. Our \
+         answers take the method of the case in the suite. Where that is the paper's explicit scheme, the wave speed bounds its steps; the toy \
+         (finite differences) and the finite volumes solve the one-dimensional diffusion of pressure alone, in a few hundred implicit steps that \
+         no wave speed bounds."
+    );
+    (!rows.is_empty())
+        .then(|| Table::new("Cases on which another code is as accurate for less CPU time", &head, rows, &note))
 }
 
 fn case_page(codes: &[Code], case: &Case, folder: &Path) -> Result<(), ReportError> {
@@ -295,18 +447,19 @@ fn case_page(codes: &[Code], case: &Case, folder: &Path) -> Result<(), ReportErr
             Cell::new(code.name.clone()).linked(&format!("../../codes/{}/index.html", file_name(&code.name))),
             badge(score.verdict),
             Cell::new(errors(score)),
-            order(score),
+            order_cell(&score.convergence()),
             Cell::new(number(finest.and_then(|level| level.cpu_s))),
+            Cell::new(number(finest.and_then(|level| level.solve_s))),
             Cell::new(number(finest.and_then(|level| level.peak_mib))),
             Cell::prose(score.reason.clone()).small(score.flags.join("; ")),
         ])
     };
-    let head = ["code", "verdict", "errors, coarse to fine", "order", "CPU (s)", "memory (MiB)", "why"];
+    let head = ["code", "verdict", "errors, coarse to fine", "order", "CPU (s)", "solution (s)", "memory (MiB)", "why"];
     let table = Table::new(
         "Codes",
         &head,
         codes.iter().filter_map(row).collect(),
-        "CPU time and peak memory on the finest refinement.",
+        "CPU time of the whole command, of the solution alone as the code says, and peak memory on the finest refinement.",
     );
     Page::new(format!("Leaderboard: {}", case.name))
         .lead(case.title.clone())
@@ -323,11 +476,6 @@ fn errors(score: &Score) -> String {
     score.levels.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-fn order(score: &Score) -> Cell {
-    let text = score.order.map_or_else(|| "–".to_owned(), |order| short(order, 3));
-    Cell::new(text).small(score.order_half_width.map_or_else(String::new, |half| format!("± {}", short(half, 2))))
-}
-
 /// The page of a code: every case with its verdict and why. `cases` is where the pages of cases are, if there are any.
 pub fn code_page(code: &Code, cases: Option<&str>) -> Page {
     let row = |score: &Score| {
@@ -342,13 +490,17 @@ pub fn code_page(code: &Code, cases: Option<&str>) -> Page {
             },
             badge(score.verdict),
             Cell::new(errors(score)),
-            order(score),
+            order_cell(&score.convergence()),
             Cell::new(if cpu > 0.0 { short(cpu, 2) } else { "–".to_owned() }),
             Cell::new(score.reason.clone()).small(more.join("; ")),
         ]
     };
     let head = ["case", "verdict", "errors, coarse to fine", "order", "CPU (s)", "why"];
-    let rows = code.scores.iter().map(row).collect();
+    let (answered, rest): (Vec<&Score>, Vec<&Score>) =
+        code.scores.iter().partition(|score| score.verdict != Verdict::NotRun);
+    let rows = answered.into_iter().map(row).collect();
+    let not_answered = |score: &&Score| vec![Cell::new(score.case.clone()), Cell::prose(score.reason.clone())];
+    let not_answered: Vec<_> = rest.iter().map(not_answered).collect();
     let made: Vec<(String, String)> = MISTAKES
         .iter()
         .filter(|mistake| code.scores.iter().any(|score| score.mistakes.iter().any(|name| name == mistake.name)))
@@ -357,6 +509,10 @@ pub fn code_page(code: &Code, cases: Option<&str>) -> Page {
     let mut page = Page::new(format!("Score of {}", code.name)).lead(format!("{}.", code.sentence())).section(
         Section::new("cases", "Cases").index(Table::new("Cases", &head, rows, "CPU time of all refinements.").words()),
     );
+    if !not_answered.is_empty() {
+        let table = Table::new("Cases without an answer", &["case", "why"], not_answered, "").words();
+        page = page.section(Section::new("not-answered", "Not answered").tables([table]).folded());
+    }
     if !made.is_empty() {
         page = page.section(Section::new("mistakes", "What wrong results look like").with(Block::Terms(made)));
     }

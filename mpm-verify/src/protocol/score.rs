@@ -5,17 +5,17 @@ use serde::{Deserialize, Serialize};
 use super::case::Case;
 use super::mistakes;
 use super::results::{Answer, Cost, Said};
-use crate::rates::{Fit, fit};
+use crate::rates::{Convergence, Order, Theory, round_off};
 
 /// What is said of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Within what a scheme of second order reaches, and converging.
+    /// The error is within what a scheme of second order reaches, and no lower order is established.
     Passes,
-    /// Within what a scheme of first order reaches, and converging as one.
+    /// Within what a scheme of first order reaches.
     FirstOrder,
-    /// Neither.
+    /// Above that, an order that no scheme has, or closer to the solution of a mistake.
     Wrong,
     /// No answer that could be compared.
     NotRun,
@@ -33,13 +33,6 @@ impl Verdict {
     }
 }
 
-/// Order from which on a scheme counts as one of second order, of first order.
-const ORDERS: [f64; 2] = [1.5, 0.6];
-/// An error so much below what is expected needs no order: what is left may be that of time.
-const SMALL: f64 = 0.1;
-/// An answer that is off by less than this on every refinement is the exact solution to round-off.
-const ROUND_OFF: f64 = 1e-11;
-
 /// An error on a refinement.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Level {
@@ -53,6 +46,9 @@ pub struct Level {
     pub wall_s: Option<f64>,
     /// Peak memory, MiB.
     pub peak_mib: Option<f64>,
+    /// CPU time of the solution alone, as the code says in `run.json`, s: without the start of the program.
+    #[serde(default)]
+    pub solve_s: Option<f64>,
 }
 
 /// The score of a case.
@@ -72,6 +68,9 @@ pub struct Score {
     pub order: Option<f64>,
     /// Half the width of its 95 % interval; none for two refinements.
     pub order_half_width: Option<f64>,
+    /// Whether no order is expected of the errors.
+    #[serde(default)]
+    pub without_order: bool,
     /// Largest errors of schemes of first and second order on the finest mesh.
     pub expected: [f64; 2],
     /// Difference of what flows in and out over what flows in, where both are asked for.
@@ -90,6 +89,58 @@ impl Score {
         self.levels.iter().rev().find_map(|level| level.error)
     }
 
+    /// Refinements with an error: 1 over the refinement, the signed error.
+    fn known(&self) -> Vec<(f64, f64)> {
+        self.levels.iter().filter_map(|level| Some((1.0 / level.refinement, level.error?))).collect()
+    }
+
+    /// The order of the errors. Which order a scheme should have the code knows: any whole one may be it.
+    pub fn convergence(&self) -> Convergence {
+        let finest = self.levels.iter().map(|level| level.refinement).fold(1.0, f64::max);
+        let theory = if self.without_order { Theory::None } else { Theory::Whole };
+        Convergence::new(&self.known(), theory, round_off(finest * finest))
+    }
+
+    /// Judges the errors and the mistakes that they resemble, those of a score that was stored as well.
+    pub fn judge(&mut self, case: &Case) {
+        (self.without_order, self.expected) = (case.exact_by_nature, case.expected);
+        if self.known().len() < 2 {
+            return;
+        }
+        let found = self.convergence();
+        let fit = found.fit.as_ref().filter(|_| found.order != Order::NotExpected);
+        self.order = fit.map(|fit| fit.order);
+        self.order_half_width = fit.map(|fit| fit.half_width).filter(|half| half.is_finite());
+        let ([first, second], finest) = (self.expected, self.finest().map_or(f64::NAN, f64::abs));
+        self.reason = format!("finest error {finest:.1e}, order {}", found.words());
+        let theory = fit.filter(|_| found.order == Order::Passed).and_then(|fit| found.theory.nearest(fit.order));
+        self.verdict = match (found.order, theory) {
+            (Order::Failed, _) => {
+                self.reason += ": it does not converge to the exact solution";
+                Verdict::Wrong
+            }
+            _ if finest <= second && theory.is_none_or(|order| order >= 2.0) => Verdict::Passes,
+            _ if finest <= first => Verdict::FirstOrder,
+            _ => {
+                self.reason += &format!(": above {first:.0e}, which first order reaches");
+                Verdict::Wrong
+            }
+        };
+        let words = |mistake: &&mistakes::Mistake| self.mistakes.iter().any(|name| name == mistake.name);
+        let seen: Vec<&str> = mistakes::MISTAKES.iter().filter(words).map(|mistake| mistake.words).collect();
+        if seen.is_empty() {
+            return;
+        }
+        self.reason += &format!("; resembles {}", seen.join(", or "));
+        self.verdict = match self.verdict {
+            Verdict::Passes => {
+                self.reason += ": on finer meshes it would not converge to the exact solution";
+                Verdict::FirstOrder
+            }
+            _ => Verdict::Wrong,
+        };
+    }
+
     /// A case without an answer.
     pub fn not_run(case: &Case, reason: impl Into<String>) -> Self {
         Self {
@@ -100,6 +151,7 @@ impl Score {
             levels: Vec::new(),
             order: None,
             order_half_width: None,
+            without_order: case.exact_by_nature,
             expected: case.expected,
             conservation: None,
             mistakes: Vec::new(),
@@ -124,14 +176,21 @@ pub fn score(case: &Case, answer: &Answer, said: &Said, measured: &[Cost]) -> Sc
             }
             None => None,
         };
-        let cost = cost(measured, *refinement).or_else(|| cost(&said.runs, *refinement)).unwrap_or_default();
-        let level =
-            Level { refinement: *refinement, error, cpu_s: cost.cpu_s, wall_s: cost.wall_s, peak_mib: cost.peak_mib };
+        let told = cost(&said.runs, *refinement);
+        let solve_s = told.and_then(|cost| cost.cpu_s);
+        let cost = cost(measured, *refinement).or(told).unwrap_or_default();
+        let level = Level {
+            refinement: *refinement,
+            error,
+            cpu_s: cost.cpu_s,
+            wall_s: cost.wall_s,
+            peak_mib: cost.peak_mib,
+            solve_s,
+        };
         score.levels.push(level);
     }
     score.conservation = conservation(case, answer);
-    let known: Vec<(f64, f64)> =
-        score.levels.iter().filter_map(|level| Some((1.0 / level.refinement, level.error?))).collect();
+    let known = score.known();
     if known.len() < 2 {
         let why = score.faults.first().map_or_else(String::new, |fault| format!(": {fault}"));
         score.reason =
@@ -141,51 +200,19 @@ pub fn score(case: &Case, answer: &Answer, said: &Said, measured: &[Cost]) -> Sc
         }
         return score;
     }
-    let fitted = fit(&known);
-    (score.order, score.order_half_width) =
-        (fitted.as_ref().map(|f| f.order), fitted.as_ref().map(|f| f.half_width).filter(|half| half.is_finite()));
-    (score.verdict, score.reason) = verdict(case, &known, fitted.as_ref());
+    score.judge(case);
     let compared = answer.levels.iter().filter(|(own, _)| known.iter().any(|(h, _)| *h == 1.0 / own));
     let compared = Answer { levels: compared.cloned().collect(), faults: Vec::new() };
     let seen = mistakes::seen(case, &compared, score.verdict == Verdict::Passes);
-    if !seen.is_empty() {
-        let words: Vec<&str> = seen.iter().map(|mistake| mistake.words).collect();
-        score.reason = format!("{}; resembles {}", score.reason, words.join(", or "));
-        score.mistakes = seen.iter().map(|mistake| mistake.name.to_owned()).collect();
-        if score.verdict == Verdict::Passes {
-            score.verdict = Verdict::FirstOrder;
-            score.reason = format!("{}: on finer meshes it would not converge to the exact solution", score.reason);
-        }
-    }
+    score.mistakes = seen.iter().map(|mistake| mistake.name.to_owned()).collect();
+    score.judge(case);
     if known.len() < case.refinements.len() {
         score.flags.push(format!("{} of {} refinements", known.len(), case.refinements.len()));
     }
-    if !case.exact_by_nature && known.iter().all(|(_, error)| error.abs() < ROUND_OFF) {
+    if score.convergence().order == Order::RoundOff {
         score.flags.push("the exact solution to round-off on every refinement: computed, or copied?".to_owned());
     }
     score
-}
-
-fn verdict(case: &Case, errors: &[(f64, f64)], fit: Option<&Fit>) -> (Verdict, String) {
-    let finest = errors.last().map_or(f64::NAN, |(_, error)| error.abs());
-    let largest = crate::norms::largest(errors.iter().map(|(_, error)| *error));
-    let order = fit.map_or(f64::NEG_INFINITY, |fit| fit.order);
-    let said = match fit {
-        Some(fit) => format!("finest error {finest:.1e}, order {}", crate::experiment::refinement::order_words(fit)),
-        None => format!("finest error {finest:.1e}, no order"),
-    };
-    let [first, second] = case.expected;
-    for (verdict, most, least) in [(Verdict::Passes, second, ORDERS[0]), (Verdict::FirstOrder, first, ORDERS[1])] {
-        if finest <= most && (order >= least || largest <= SMALL * most) {
-            return (verdict, said);
-        }
-    }
-    let why = if finest > first {
-        format!("above {first:.0e}, which first order reaches")
-    } else {
-        "it does not converge to the exact solution".to_owned()
-    };
-    (Verdict::Wrong, format!("{said}: {why}"))
 }
 
 /// What enters less what leaves over what enters, at the last time on the finest refinement.

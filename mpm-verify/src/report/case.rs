@@ -6,16 +6,18 @@ use std::path::Path;
 use mpm_core::scene::Scene;
 use pulldown_latex::config::DisplayMode;
 
+use super::content::table::order_cell;
 use super::numbers::{brief, exact, short};
 use super::plots::{self, case, comparison, curves, field};
 use super::{ReportError, tables, unwritable};
 use crate::book::formula::mathml;
 use crate::cases::suite::{problems, suite};
 use crate::experiment::spec::Problem;
-use crate::experiment::{Judged, Refinement, words};
+use crate::experiment::{Judged, Refinement};
 use crate::page::table::{Cell, Table};
-use crate::page::verdict::{State, Verdict};
+use crate::page::verdict::Verdict;
 use crate::page::{Block, Link, Page, Section, sketch};
+use crate::rates::Order;
 
 /// Endings of the files of a picture of a case.
 const FILES: &[&str] = &["csv", "svg"];
@@ -67,13 +69,12 @@ pub fn write(judged: &Judged, all: &[Judged], folder: &Path) -> Result<(), Repor
 
 fn verdict(judged: &Judged) -> Verdict {
     let row = &judged.row;
-    let state = match (row.open(), row.passed()) {
-        (true, _) => State::NotEstablished,
-        (_, passed) => State::of(passed),
+    let order = match judged.convergence.order {
+        Order::NotExpected => String::new(),
+        _ => format!(", order {}", judged.convergence.words()),
     };
-    let order = judged.fit.as_ref().map_or_else(String::new, |fit| format!(", order {}", short(fit.order, 3)));
     let said = format!("Error {} of {} allowed{order}.", short(row.error, 3), brief(row.required_error, 3));
-    Verdict::new(state, said)
+    Verdict::new(row.verdict, said)
 }
 
 /// Other cases of the same problem.
@@ -126,24 +127,17 @@ fn linked(source: &str) -> String {
 /// Every refinement with its order.
 fn refinements(judged: &Judged) -> Table {
     let row = |refinement: &Refinement| {
-        let (verdict, mark) = match (refinement.failed(), refinement.open()) {
-            (Some(_), _) => ("failed", "bad"),
-            (None, Some(_)) => ("not established", "warn"),
-            (None, None) => ("passed", "good"),
-        };
         let errors: Vec<String> = refinement.errors.iter().map(|(_, error)| short(*error, 2)).collect();
-        let fit = refinement.fit();
-        let width = fit.as_ref().filter(|fit| fit.half_width.is_finite());
-        let order = fit.as_ref().map_or_else(|| "–".to_owned(), |fit| short(fit.order, 3));
+        let convergence = refinement.convergence();
         vec![
             Cell::new(refinement.by.0).small(format!("against {}", refinement.against)),
-            Cell::badge(verdict, mark),
+            refinement.state().map_or_else(|| Cell::new("–"), Cell::state),
             Cell::new(errors.join(", ")),
-            Cell::new(order).small(width.map_or_else(String::new, |fit| format!("± {}", short(fit.half_width, 2)))),
-            Cell::new(words(refinement.required_order)),
+            order_cell(&convergence),
+            Cell::new(convergence.theory_words()),
         ]
     };
-    let head = ["refined by", "verdict", "errors, coarse to fine", "order", "required"];
+    let head = ["refined by", "verdict", "errors, coarse to fine", "order", "theory"];
     Table::new("Refinements", &head, judged.all_refinements().iter().map(row).collect(), "")
 }
 

@@ -112,8 +112,8 @@ pub fn write(
 fn verdict(run: &Run) -> Verdict {
     let Some(trust) = run.trust.filter(|_| run.failure.is_none()) else {
         return match run.failure {
-            Some(_) => Verdict::new(State::Failed, "The run stopped before its end."),
-            None => Verdict::new(State::NotEstablished, "The run is complete; it has no balances to check."),
+            Some(_) => Verdict::new(State::Stopped, "The run stopped before its end."),
+            None => Verdict::new(State::Complete, "The run is complete; it has no balances to check."),
         };
     };
     let (gap, allowed) = (short(trust.gap, 2), short(trust.allowed, 2));
@@ -122,7 +122,8 @@ fn verdict(run: &Run) -> Verdict {
     let how = if passed { "is within its bound" } else { "exceeds its bound" };
     let sentence =
         format!("The run is complete. The residual of the {name} balance, {gap} {unit}, {how} of {allowed} {unit}.");
-    Verdict::new(State::of(passed), sentence)
+    // A balance that closes is no proof of the result.
+    Verdict::new(if passed { State::Complete } else { State::Failed }, sentence)
 }
 
 fn summary(scene: &Scene, run: &Run, cpu_s: f64) -> String {

@@ -10,7 +10,7 @@ use super::plots::{self, stress_test};
 use super::{ReportError, save};
 use crate::manifest::Manifest;
 use crate::page::site::{Kind, Report};
-use crate::page::verdict::{State, Tally};
+use crate::page::verdict::{Checks, Counts, Tally};
 use crate::page::{Page, Section};
 use crate::stability::map::Summary;
 use crate::stress::{Case, Found, Verdict};
@@ -47,9 +47,12 @@ pub fn write(
     let limits = drawn(limits, map).tables([steps_table(steps)]).files(measured);
     let alt = main.first().map_or("", |figure| &figure.title);
     let picture = main.first().map_or_else(String::new, |figure| format!("plots/{}.svg", figure.name));
+    let all = counts(found.iter().map(|f| f.judged.verdict)).words();
+    let tally = Tally::new("Stress tests, default schemes", defaults(cases, found));
     Page::new("Stress tests and time-step limits")
         .verdict(verdict(cases, found))
-        .warnings(broken_defaults(cases, found))
+        .lead(format!("All schemes, of which those that are no default are for comparison: {all}."))
+        .warnings(broken_defaults(cases, found).into_iter().chain(degraded_defaults(cases, found)))
         .section(drawn(Section::new("first", "The first test"), main))
         .section(
             Section::new("matrix", "Verdicts by scheme")
@@ -60,34 +63,59 @@ pub fn write(
         .section(drawn(Section::new("tests", "All tests").folded(), further))
         .section(Section::new("reasons", "Why runs stopped").folded().tables([stops(cases, found)]))
         .conditions(manifest)
-        .report(Report::new(Kind::StressTests).counts([tally(found)]).picture(picture, alt))
+        .report(Report::new(Kind::StressTests).counts([tally]).picture(picture, alt))
         .write(&folder.join("index.html"))
 }
 
-fn tally(found: &[Found]) -> Tally {
-    let count = |verdict: Verdict| found.iter().filter(|f| f.judged.verdict == verdict).count();
-    let [passed, degraded, stopped, failed] =
-        [Verdict::Passed, Verdict::Degraded, Verdict::Stopped, Verdict::Failed].map(count);
-    Tally::new("Stress tests", passed, failed, degraded + stopped)
-        .saying(format!("{passed} passed, {degraded} degraded, {stopped} stopped with a reason, {failed} failed"))
+/// Schemes in stress tests, counted.
+pub fn counts(verdicts: impl IntoIterator<Item = Verdict>) -> Counts {
+    let mut counts = Checks::default();
+    for verdict in verdicts {
+        *match verdict {
+            Verdict::Passed => &mut counts.passed,
+            Verdict::Degraded => &mut counts.degraded,
+            Verdict::Stopped => &mut counts.stopped,
+            Verdict::Failed => &mut counts.failed,
+        } += 1;
+    }
+    Counts::Checks(counts)
+}
+
+/// The schemes of scenes that name none: these are judged, all others are for comparison.
+fn defaults(cases: &[Case], found: &[Found]) -> Counts {
+    let own = found.iter().filter(|f| f.scheme.is_default(cases[f.case].dimension));
+    counts(own.map(|f| f.judged.verdict))
 }
 
 fn verdict(cases: &[Case], found: &[Found]) -> crate::page::verdict::Verdict {
-    let passed = broken_defaults(cases, found).is_empty();
-    let words = tally(found).said;
-    let defaults = if passed { "No default scheme fails" } else { "A default scheme fails" };
-    let sentence = format!("{defaults}. Runs: {}, of {} stress tests; {words}.", found.len(), cases.len());
-    crate::page::verdict::Verdict::new(State::of(passed), sentence)
+    let (own, tests) = (defaults(cases, found), cases.len());
+    let tests = if tests == 1 { "1 stress test".to_owned() } else { format!("{tests} stress tests") };
+    let sentence = format!("Default schemes in {tests}: {}.", own.words());
+    crate::page::verdict::Verdict::new(own.state(), sentence)
 }
 
 /// What a scene gets without a word about its scheme must not break anywhere: one line for each that does.
 pub fn broken_defaults(cases: &[Case], found: &[Found]) -> Vec<String> {
-    let broken = |f: &&Found| f.judged.verdict == Verdict::Failed && f.scheme.is_default(cases[f.case].dimension);
+    defaults_that(Verdict::Failed, "fails with", cases, found)
+}
+
+/// One line for each default scheme that is worse than required within what it must bear.
+pub fn degraded_defaults(cases: &[Case], found: &[Found]) -> Vec<String> {
+    defaults_that(Verdict::Degraded, "is degraded to", cases, found)
+}
+
+fn defaults_that(verdict: Verdict, does: &str, cases: &[Case], found: &[Found]) -> Vec<String> {
+    let those = |f: &&Found| f.judged.verdict == verdict && f.scheme.is_default(cases[f.case].dimension);
     let line = |f: &Found| {
         let case = &cases[f.case];
-        format!("{}: the default scheme of {} fails at {}", case.name, word(f.scheme.integrator), at(case, f))
+        let (name, integrator, most) = (case.name, word(f.scheme.integrator), brief(case.holds, 2));
+        format!(
+            "{name}: the default scheme of {integrator} {does} {} at {}; to pass, at most {most}",
+            value(f),
+            at(case, f)
+        )
     };
-    found.iter().filter(broken).map(line).collect()
+    found.iter().filter(those).map(line).collect()
 }
 
 /// A table for every integrator: cases down, schemes across.
@@ -192,4 +220,36 @@ fn steps_table(steps: &[Summary]) -> Table {
                 elsewhere the spectral radius of the assembled step. Automatic: the step of a scene that gives none.";
     let head = ["scheme", "rows", "measured / theory", "automatic / measured"];
     table("Measured limits".to_owned(), &head, steps.iter().map(row).collect(), note)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::page::verdict::State;
+    use crate::stress::CASES;
+    use crate::stress::case::Judged;
+
+    /// What is found of a default scheme in the first test.
+    fn found(value: f64, verdict: Verdict) -> Found {
+        let case = &CASES[0];
+        let scheme = *case.schemes.iter().find(|scheme| scheme.is_default(case.dimension)).expect("a default scheme");
+        let judged = Judged { verdict, value: Some(value), at: 0.7, reason: String::new() };
+        Found { case: 0, scheme, points: Vec::new(), judged }
+    }
+
+    #[test]
+    fn a_default_scheme_that_degrades_is_amber_and_named() {
+        let cases = &CASES[..1];
+        let good = [found(1e-3, Verdict::Passed)];
+        let degraded = [found(1e-3, Verdict::Passed), found(0.045, Verdict::Degraded)];
+        assert_eq!(verdict(cases, &good).state, State::Passed);
+        let amber = verdict(cases, &degraded);
+        assert_eq!((amber.state.word().as_ref(), amber.state.mark()), ("degraded", "warn"));
+        assert_eq!(amber.sentence, "Default schemes in 1 stress test: 1 passed, 1 degraded.");
+        let lines = degraded_defaults(cases, &degraded);
+        assert!(lines.len() == 1 && lines[0].contains("is degraded to 0.045 at"), "{lines:?}");
+        assert_eq!((degraded_defaults(cases, &good), broken_defaults(cases, &degraded)), (Vec::new(), Vec::new()));
+        let broken = [found(0.5, Verdict::Failed), found(0.045, Verdict::Degraded)];
+        assert_eq!((verdict(cases, &broken).state, broken_defaults(cases, &broken).len()), (State::Failed, 1));
+    }
 }

@@ -12,7 +12,7 @@ use super::{ReportError, Study, save};
 use crate::claims::{self, Claim};
 use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
-use crate::page::verdict::{State, Tally, Verdict};
+use crate::page::verdict::{Counts, State, Tally, Verdict};
 use crate::page::{Block, Link, Page, Section};
 use crate::study::{CaseResult, Variant, shown_family};
 
@@ -52,23 +52,13 @@ pub fn write(study: &Study, figures: &[Figure], folder: &Path) -> Result<(), Rep
 }
 
 /// Claims, counted.
-pub fn tally(label: &str, claims: &[Claim]) -> Tally {
-    let count = |words: &[&str]| claims.iter().filter(|c| words.contains(&c.verdict.words())).count();
-    let reproduced = count(&["reproduced", "reproduced for another reason"]);
-    let not = count(&["not reproduced"]);
-    let rest = claims.len() - reproduced - not;
-    Tally::of_claims(label, reproduced, not, rest)
+fn counts(claims: &[Claim]) -> Counts {
+    Counts::of_claims(claims.iter().map(|claim| claim.verdict))
 }
 
 /// A verdict on a claim as a badge.
 pub fn badge(verdict: claims::Verdict) -> Cell {
-    let mark = match verdict.words() {
-        "reproduced" => "good",
-        "reproduced for another reason" => "warn",
-        "not reproduced" => "bad",
-        _ => "",
-    };
-    Cell::badge(verdict.words(), mark)
+    Cell::badge(verdict.words(), verdict.mark())
 }
 
 struct Of<'a> {
@@ -87,10 +77,13 @@ impl Of<'_> {
         let study = self.study;
         let groups = groups(&study.results);
         let schemes = schemes::schemes(&study.results, &groups);
-        let claims = tally("Claims of the paper on accuracy", &study.claims);
+        let failed = study.results.iter().filter(|r| r.failure.is_some()).count();
+        let runs = Counts::Runs { complete: study.results.len() - failed, stopped: failed };
+        let claims = Tally::new("Claims of the paper on accuracy", counts(&study.claims));
+        let runs = Tally::new("Runs of the accuracy study", runs);
         let main = self.figures.iter().find(|f| f.name == MAIN);
         let report = Report::new(Kind::Study)
-            .counts([claims])
+            .counts([claims, runs])
             .picture(format!("plots/{MAIN}.svg"), main.map_or("", |figure| &figure.title));
         let files =
             ["errors.csv", "consolidation.csv", "orders.csv", "budget.csv", "claims.csv", "claims_integrators.csv"];
@@ -124,16 +117,12 @@ impl Of<'_> {
     }
 
     fn verdict(&self) -> Verdict {
-        let claims = tally("", &self.study.claims);
+        let claims = counts(&self.study.claims);
         let failed = self.study.results.iter().filter(|r| r.failure.is_some()).count();
-        let word = format!("{} of {} claims reproduced", claims.passed, claims.total);
-        let sentence = format!("Of the paper's claims on accuracy {}.", claims.said);
-        match (failed, claims.passed) {
-            (0, 0) => Verdict::new(State::NotEstablished, sentence),
-            (0, _) => Verdict::new(claims.state(), sentence).saying(word),
-            (n, _) => {
-                Verdict::new(State::Failed, format!("{n} of {} runs failed. {sentence}", self.study.results.len()))
-            }
+        let sentence = format!("Of the paper's claims on accuracy {}.", claims.words());
+        match failed {
+            0 => Verdict::new(claims.state(), sentence),
+            n => Verdict::new(State::Stopped, format!("{n} of {} runs stopped. {sentence}", self.study.results.len())),
         }
     }
 
@@ -175,16 +164,14 @@ impl Of<'_> {
         let items = paper::items(&self.study.claims, folder);
         let known = items.iter().filter(|item| !item.verdicts.is_empty()).count();
         let lead = "The figures of the paper are not reproduced here: where only a figure holds the numbers, it says \"not available\".";
-        let tally = paper::tally(&items);
+        let claims = paper::counts(&items);
         let sentence = format!(
             "{known} of {} figures, tables and passages carry a claim that is checked: {}.",
             items.len(),
-            tally.said
+            claims.words()
         );
-        let verdict = Verdict::new(tally.state(), sentence);
-        let word = format!("{} of {} claims reproduced", tally.passed, tally.total);
         Page::new("The paper side by side")
-            .verdict(if tally.total > 0 { verdict.saying(word) } else { verdict })
+            .verdict(Verdict::new(claims.state(), sentence))
             .lead(lead)
             .section(Section::new("items", "Figures and tables of the paper").index(paper::table(&items)))
     }

@@ -2,16 +2,15 @@
 
 use std::path::Path;
 
-use super::content::table::{Cell, Table, table};
+use super::content::table::{Cell, Table, order_cell, order_rule, table};
 use super::numbers::{brief, exact, short};
 use super::tables;
 use super::{ReportError, save};
-use crate::experiment::{Judged, Refinement, RefinementRow, SampleRow, words};
+use crate::experiment::{Judged, Refinement, RefinementRow, SampleRow};
 use crate::manifest::Manifest;
 use crate::page::site::{self, Report};
-use crate::page::verdict::{Tally, Verdict};
+use crate::page::verdict::{Checks, Counts, Tally, Verdict};
 use crate::page::{Page, Section};
-use crate::rates::Fit;
 use crate::study::word;
 
 /// Columns of `notes.csv`.
@@ -20,7 +19,7 @@ pub const NOTES: &str = "case,quantity,value,unit";
 pub const SAMPLES: &str = "case,quantity,time_s,time_factor,computed,exact,error,unit,counts";
 /// Columns of `refinements.csv`.
 pub const REFINEMENTS: &str =
-    "case,by,parameter,unit,error,order,order_low,order_high,asymptotic,required_order,against";
+    "case,by,parameter,unit,error,order,order_low,order_high,asymptotic,required_order,against,order_verdict";
 
 /// Writes `samples.csv` (the finest run of a case at every sample time), `refinements.csv` (every run of
 /// every refinement), `<case>.svg` and `<case>.csv` (refinement parameter, signed error) for every case, `notes.csv` if there are notes, `manifest.json` and `index.html`.
@@ -64,15 +63,17 @@ pub fn write(judged: &[Judged], manifest: &Manifest, folder: &Path) -> Result<()
 
 fn tally(judged: &[Judged]) -> Tally {
     let count = |which: fn(&Judged) -> bool| judged.iter().filter(|c| which(c)).count();
-    let (open, failed) = (count(|c| c.row.open()), count(|c| !c.row.passed()));
-    Tally::new("Verification suite", judged.len() - open - failed, failed, open)
+    let (not_established, failed) = (count(|c| c.row.open()), count(|c| !c.row.passed()));
+    let passed = judged.len() - not_established - failed;
+    let checks = Checks { passed, not_established, failed, ..Checks::default() };
+    Tally::new("Verification suite", Counts::Checks(checks))
 }
 
 fn verdict(judged: &[Judged]) -> Verdict {
-    let tally = tally(judged);
+    let counts = tally(judged).counts;
     let time: f64 = judged.iter().map(|c| c.row.cpu_s).sum();
-    let cases = if tally.total == 1 { "1 case".to_owned() } else { format!("{} cases", tally.total) };
-    Verdict::new(tally.state(), format!("Of {cases} {}, in {} s of CPU time.", tally.said, short(time, 3)))
+    let cases = if judged.len() == 1 { "1 case".to_owned() } else { format!("{} cases", judged.len()) };
+    Verdict::new(counts.state(), format!("Of {cases} {}, in {} s of CPU time.", counts.words(), short(time, 3)))
 }
 
 fn samples(judged: &[Judged], folder: &Path) -> Result<(), ReportError> {
@@ -92,7 +93,7 @@ fn refinements(judged: &[Judged], folder: &Path) -> Result<(), ReportError> {
         let order = [r.order, r.order_low, r.order_high].map(or_nothing);
         let asymptotic = r.asymptotic.map_or(String::new(), |a| a.to_string());
         let head = vec![r.case, r.by, exact(r.parameter), r.unit, exact(r.error)];
-        [head, order.to_vec(), vec![asymptotic, r.required_order, r.against]].concat()
+        [head, order.to_vec(), vec![asymptotic, r.required_order, r.against, r.order_verdict]].concat()
     };
     let rows = judged.iter().flat_map(Judged::refinement_rows).map(row);
     tables::table(&folder.join("refinements.csv"), REFINEMENTS, rows)
@@ -101,36 +102,26 @@ fn refinements(judged: &[Judged], folder: &Path) -> Result<(), ReportError> {
 /// Verdict, numbers and reason of every case.
 fn cases(judged: &[Judged]) -> Table {
     let row = |c: &Judged| {
-        let mark = if c.row.open() {
-            "warn"
-        } else if c.row.passed() {
-            "good"
-        } else {
-            "bad"
-        };
-        let order = c.fit.as_ref().map_or_else(|| "–".to_owned(), |fit| short(fit.order, 3));
-        let width = c.fit.as_ref().filter(|f| f.half_width.is_finite());
-        let width = width.map_or_else(String::new, |f| {
-            let range = if f.asymptotic { "asymptotic" } else { "not asymptotic" };
-            format!("± {}\n{range}", short(f.half_width, 2))
-        });
         vec![
             Cell::new(c.case.name).marked(c.case.about, "").linked(&format!("{}/index.html", c.case.name)),
-            Cell::badge(c.row.verdict.clone(), mark),
+            Cell::state(c.row.verdict),
             Cell::new(short(c.row.error, 3)),
             Cell::new(brief(c.row.required_error, 3)),
-            Cell::new(order).marked(width, ""),
+            order_cell(&c.convergence),
             Cell::new(c.row.required_order.clone()),
             baseline(c),
             Cell::new(c.row.integrator.clone()).marked(c.row.scheme.clone(), ""),
             Cell::new(short(c.row.cpu_s, 2)),
         ]
     };
-    let head = ["case", "verdict", "error", "tolerance", "order", "required", "baseline", "scheme", "CPU time (s)"];
-    let note = "Error at the smallest refinement parameter, or the largest of the last two where no order is established. Order: fitted, with its 95 % interval. Baseline: error over the \
-                accepted one, which a case may not exceed by more than 2 %; verified against an exact solution, or a \
-                regression value against this code itself or a band of published laws.";
-    table("Verdicts".to_owned(), &head, judged.iter().map(row).collect(), note)
+    let head = ["case", "verdict", "error", "tolerance", "order", "theory", "baseline", "scheme", "CPU time (s)"];
+    let note = format!(
+        "Error at the smallest refinement parameter, or the largest of the last two where no order is established. {} Baseline: error \
+         over the accepted one, which a case may not exceed by more than 2 %; verified against an exact solution, or a regression value \
+         against this code itself or a band of published laws.",
+        order_rule()
+    );
+    table("Verdicts".to_owned(), &head, judged.iter().map(row).collect(), &note)
 }
 
 /// Error over the accepted one, and what that is worth.
@@ -144,47 +135,32 @@ fn baseline(judged: &Judged) -> Cell {
     }
 }
 
-/// The order of every refinement, with its confidence and whether its range is asymptotic.
+/// The order of every refinement, with its verdict.
 fn orders(judged: &[Judged]) -> Table {
     let row = |judged: &Judged, refinement: &Refinement| {
-        let fit = refinement.fit();
+        let convergence = refinement.convergence();
         let (_, unit) = refinement.by;
         let ends = [refinement.errors.first(), refinement.errors.last()];
         let [first, last] = ends.map(|end| end.copied().unwrap_or((f64::NAN, f64::NAN)));
         let span = format!("{} to {}", brief(first.0, 3), brief(last.0, 3));
         let unit = if unit == "-" { String::new() } else { format!(" {unit}") };
-        let (words_of, mark) = match (refinement.failed(), refinement.open()) {
-            (Some(_), _) => ("failed", "bad"),
-            (None, Some(_)) => ("order not established", "warn"),
-            (None, None) => ("passed", "good"),
-        };
         vec![
             Cell::new(judged.row.case.clone()).marked(format!("error relative to {}", refinement.against), ""),
-            Cell::badge(words_of, mark),
+            refinement.state().map_or_else(|| Cell::new("–"), Cell::state),
             Cell::new(refinement.by.0).marked(format!("{span}{unit}"), ""),
             Cell::new(refinement.errors.len().to_string()),
             Cell::new(format!("{} to {}", short(first.1, 2), short(last.1, 2))),
-            order_cell(fit.as_ref(), refinement.required_order.is_some()),
-            Cell::new(words(refinement.required_order)),
+            order_cell(&convergence),
+            Cell::new(convergence.theory_words()),
         ]
     };
     let of = |judged: &Judged| judged.all_refinements().iter().map(|r| row(judged, r)).collect::<Vec<_>>();
-    let head = ["case", "verdict", "refined by", "runs", "error", "order", "required"];
-    let note = "Errors from the first parameter to the last, signed. Order: slope of log |error| with its 95 % interval (three \
-                runs or more; Student's t makes that of three wide); asymptotic: every pairwise order within 0.3 of it, one \
-                sign, and a lower bound above zero. The order in particles is that in their spacing.";
-    table("Refinements".to_owned(), &head, judged.iter().flat_map(of).collect(), note)
-}
-
-/// An order as the table of refinements shows it: a wanting one stands out only where one is required.
-fn order_cell(fit: Option<&Fit>, required: bool) -> Cell {
-    let Some(fit) = fit else { return Cell::new("–") };
-    let width = if fit.half_width.is_finite() { format!(" ± {}", short(fit.half_width, 2)) } else { String::new() };
-    let (words, mark) = match fit.asymptotic {
-        true => ("asymptotic", "good"),
-        false => ("not asymptotic", if required { "warn" } else { "" }),
-    };
-    Cell::new(format!("{}{width}", short(fit.order, 3))).marked(words, mark)
+    let head = ["case", "verdict", "refined by", "runs", "error", "order", "theory"];
+    let note = format!(
+        "Errors from the first parameter to the last, signed. {} The order in particles is that in their spacing.",
+        order_rule()
+    );
+    table("Refinements".to_owned(), &head, judged.iter().flat_map(of).collect(), &note)
 }
 
 /// What each check is shown to find.
@@ -230,7 +206,7 @@ pub(crate) mod tests {
         };
         let (mut single, mut fallen) = (judged("quasi-static-steps"), judged("quasi-static-centre"));
         single.notes = vec![("stored over geometric water".to_owned(), 0.9995, "-".to_owned())];
-        fallen.row.verdict = "failed".to_owned();
+        fallen.row.verdict = crate::verdict::State::Failed;
         let folder = tempfile::tempdir().expect("a folder");
         let manifest = Manifest::new(&crate::scenes::terzaghi(), 1);
         write(&[single, fallen], &manifest, folder.path()).expect("a page");
@@ -253,14 +229,11 @@ pub(crate) mod tests {
         ] {
             assert!(page.contains(part), "{part}");
         }
-        assert!(page.contains("asymptotic") && page.contains("a hundredth of the smallest tolerance"));
+        assert!(page.contains("within 0.5 of theory") && page.contains("a hundredth of the smallest tolerance"));
         assert!(read("samples.csv").starts_with(&format!("{SAMPLES}\nquasi-static-steps,U,")));
         let refined = read("refinements.csv");
-        for by in [
-            "quasi-static-steps,time step,0.0005,s,",
-            "quasi-static-centre,mesh L,0.0125,m,",
-            ",1.9 to 2.1,what the case",
-        ] {
+        for by in ["quasi-static-steps,time step,0.0005,s,", "quasi-static-centre,mesh L,0.0125,m,", ",2,what the case"]
+        {
             assert!(refined.contains(by), "{by}: {refined}");
         }
         assert!(!page.contains("scene hash") && page.contains("../index.html"));

@@ -178,7 +178,7 @@ fn order_rows(results: &[CaseResult]) -> Vec<Vec<String>> {
         let value = |get: fn(&crate::rates::Richardson) -> f64| exact(r.map_or(f64::NAN, get));
         for (norm, fit) in &group.fits {
             let mut row = vec![group.name.clone(), (*norm).to_owned()];
-            row.extend(match fit {
+            row.extend(match &fit.fit {
                 Some(f) => [exact(f.order), exact(f.half_width), spaced(&f.pairwise), f.asymptotic.to_string()],
                 None => [exact(f64::NAN), exact(f64::NAN), String::new(), "false".to_owned()],
             });

@@ -306,7 +306,7 @@ fn orders_are_those_of_the_errors() {
     for group in &orders {
         let order = |name: &str| {
             let (_, fit) = group.fits.iter().find(|(norm, _)| *norm == name).expect("a norm");
-            fit.as_ref().expect("an order").order
+            fit.fit.as_ref().expect("an order").order
         };
         assert!((order("max-compressible") - 1.0).abs() < 1e-9);
         assert!((order("profile-compressible") - 2.0).abs() < 1e-9);

@@ -17,7 +17,7 @@ use crate::experiment::pool;
 use crate::manifest::Manifest;
 use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
-use crate::page::verdict::{State as Judged, Tally, Verdict};
+use crate::page::verdict::{Checks, Counts, State as Judged, Tally, Verdict};
 use crate::page::{Block, Image, Page, Section};
 use crate::report::numbers::short;
 use crate::report::{ReportError, unwritable};
@@ -267,7 +267,8 @@ pub fn write(slopes: &[&Published], lines: &[Line], folder: &Path) -> Result<(),
         0 => format!("All {} published slopes are met.", lines.len()),
         _ => format!("{failed} of {} published slopes are not met.", lines.len()),
     };
-    let report = Report::new(Kind::Slopes).counts([Tally::new("Published slopes", lines.len() - failed, failed, 0)]);
+    let counts = Counts::Checks(Checks { passed: lines.len() - failed, failed, ..Checks::default() });
+    let report = Report::new(Kind::Slopes).counts([Tally::new("Published slopes", counts)]);
     let report = match lines.first() {
         Some(line) => report.picture(format!("{}/plots/mechanism.png", line.name), "Where the soil of a slope shears"),
         None => report,

@@ -63,7 +63,7 @@ fn outcome(fault: fn(CamClay) -> CamClay) -> Result<Outcome, Error> {
         scheme: "modified-cam-clay".to_owned(),
         errors,
         required_error: REQUIRED,
-        required_order: Some([0.8, 2.2]),
+        required_order: Some(1.0),
         refined_by: PART,
         samples,
         ..Outcome::default()

@@ -110,7 +110,7 @@ fn refined(paths: impl Fn(f64) -> Result<Vec<Sampled>, Error>) -> Result<Outcome
         scheme: "modified-cam-clay".to_owned(),
         errors,
         required_error: REQUIRED,
-        required_order: Some([0.8, 2.2]),
+        required_order: Some(1.0),
         refined_by: STRAIN_STEP,
         samples,
         ..Outcome::default()

@@ -69,7 +69,7 @@ fn exact_on_paths(rows: usize, path: impl Fn(u32) -> Result<Vec<Sampled>, Error>
 }
 
 /// What a check without particles found.
-fn outcome(what: &str, errors: Vec<(f64, f64)>, required_error: f64, required_order: Option<[f64; 2]>) -> Outcome {
+fn outcome(what: &str, errors: Vec<(f64, f64)>, required_error: f64, required_order: Option<f64>) -> Outcome {
     Outcome {
         integrator: what.to_owned(),
         scheme: "mohr-coulomb".to_owned(),
@@ -91,7 +91,7 @@ mod tests {
     fn every_mutant_falls_short() {
         for case in CASES {
             let judged = case.mutant_judged().expect("a mutant").expect(case.name);
-            assert_eq!(judged.row.verdict, "failed", "{}: {}", case.name, judged.reason);
+            assert_eq!(judged.row.verdict, crate::verdict::State::Failed, "{}: {}", case.name, judged.reason);
         }
     }
 

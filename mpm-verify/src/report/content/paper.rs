@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::claims::Claim;
+use crate::claims::{Claim, Verdict};
 use crate::files::STAGE;
 use crate::page::site;
 use crate::page::table::{Cell, Table};
-use crate::page::verdict::Tally;
+use crate::page::verdict::Counts;
 
 const BOOK: &str = include_str!("../../../../reference-data/paper/items.toml");
 /// Stands in the book for the page of the levee.
@@ -32,7 +32,7 @@ pub struct Item {
     claims: Vec<String>,
     /// The verdicts on them, with what was found.
     #[serde(skip)]
-    pub verdicts: Vec<(String, String)>,
+    pub verdicts: Vec<(Verdict, String)>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -52,15 +52,16 @@ struct Row {
 pub fn items(claims: &[Claim], folder: &Path) -> Vec<Item> {
     let home = site::home(folder);
     let levee = home.join("levee");
-    let mut known: Vec<(String, String, String)> =
-        claims.iter().map(|c| (c.id.clone(), c.verdict.words().to_owned(), c.evidence.clone())).collect();
+    let mut known: Vec<(String, Verdict, String)> =
+        claims.iter().map(|c| (c.id.clone(), c.verdict, c.evidence.clone())).collect();
     if let Ok(mut reader) = csv::Reader::from_path(levee.join("claims.csv")) {
-        known.extend(reader.deserialize::<Row>().flatten().map(|row| (row.claim, row.verdict, row.value)));
+        let rows = reader.deserialize::<Row>().flatten();
+        known.extend(rows.filter_map(|row| Some((row.claim, Verdict::read(&row.verdict)?, row.value))));
     }
     let page = levee.join("index.html").is_file() && home.join("accuracy") == published(folder);
     let book: Book = toml::from_str(BOOK).unwrap_or(Book { item: Vec::new() });
     let filled = |mut item: Item| {
-        let found = |name: &String| known.iter().find(|(id, ..)| id == name).map(|(_, v, e)| (v.clone(), e.clone()));
+        let found = |name: &String| known.iter().find(|(id, ..)| id == name).map(|(_, v, e)| (*v, e.clone()));
         item.verdicts = item.claims.iter().filter_map(found).collect();
         item.ours = if page {
             item.ours.replace(LEVEE, "(../levee/index.html)")
@@ -82,13 +83,8 @@ fn published(folder: &Path) -> PathBuf {
 }
 
 /// Verdicts on all items, counted.
-pub fn tally(items: &[Item]) -> Tally {
-    let all = || items.iter().flat_map(|item| item.verdicts.iter());
-    let count = |words: &[&str]| all().filter(|(verdict, _)| words.contains(&verdict.as_str())).count();
-    let (yes, no) =
-        (count(&["reproduced", "reproduced for another reason", "holds"]), count(&["not reproduced", "differs"]));
-    let rest = all().count() - yes - no;
-    Tally::of_claims("", yes, no, rest)
+pub fn counts(items: &[Item]) -> Counts {
+    Counts::of_claims(items.iter().flat_map(|item| item.verdicts.iter().map(|(verdict, _)| *verdict)))
 }
 
 /// The table of all items.
@@ -96,16 +92,17 @@ pub fn table(items: &[Item]) -> Table {
     let row = |item: &Item| {
         let (mut word, mut mark) = ("not compared", "");
         if !item.verdicts.is_empty() {
-            let of = tally(std::slice::from_ref(item));
-            (word, mark) = match (of.passed, of.failed) {
-                (_, 0) if of.passed > 0 => ("agrees", "good"),
-                (0, 1..) => ("differs", "bad"),
-                (1.., _) => ("agrees in part", "warn"),
-                _ => ("not comparable", ""),
+            let is = |one: Verdict| item.verdicts.iter().any(|(verdict, _)| *verdict == one);
+            let agrees = is(Verdict::Reproduced) || is(Verdict::ReproducedForAnotherReason);
+            (word, mark) = match (agrees, is(Verdict::NotReproduced)) {
+                (true, false) => ("agrees", "good"),
+                (false, true) => ("differs", "bad"),
+                (true, true) => ("agrees in part", "warn"),
+                (false, false) => ("not comparable", ""),
             };
         }
         let found: Vec<String> =
-            item.verdicts.iter().map(|(verdict, evidence)| format!("{verdict}: {evidence}")).collect();
+            item.verdicts.iter().map(|(verdict, found)| format!("{}: {found}", verdict.words())).collect();
         vec![
             Cell::new(item.item.clone()),
             Cell::badge(word, mark),

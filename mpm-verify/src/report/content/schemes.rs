@@ -1,6 +1,6 @@
 //! Tables that compare integrators and shape functions, and those of the sweeps.
 
-use super::table::{Cell, Table, order_cell, table};
+use super::table::{Cell, Table, order_of_group, table};
 use crate::claims::Judgement;
 use crate::report::numbers::short;
 use crate::report::orders::Group;
@@ -66,12 +66,15 @@ fn orders(groups: &[Group], cases: &[&CaseResult]) -> Table {
     let row = |g: &Group| {
         let mut row = vec![Cell::new(g.name.clone()).marked(format!("{} meshes", g.meshes.len()), "")];
         let fits = ["max-compressible", "late-compressible", "profile-compressible"];
-        row.extend(fits.map(|norm| order_cell(g.fits.iter().find(|(n, _)| *n == norm).and_then(|(_, f)| f.as_ref()))));
+        row.extend(fits.map(|norm| {
+            let found = g.fits.iter().find(|(n, _)| *n == norm);
+            found.map_or_else(|| Cell::new("–"), |(_, found)| order_of_group(found))
+        }));
         row
     };
     let head = ["group", "max error", "late error", "profile"];
-    let note = "As in the tables of orders above. A line that ends at an error in time or at what the model carries is \
-                not asymptotic.";
+    let note = "As in the tables of orders above. A line that ends at an error in time or at what the model carries has no \
+                order that is established.";
     table(
         "Orders of every scheme relative to the exact solution with finite K_w".to_owned(),
         &head,

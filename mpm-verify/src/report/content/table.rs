@@ -4,12 +4,13 @@ use crate::budget::Budget;
 use crate::cost::Cost;
 use crate::norms::LATE_TV;
 pub use crate::page::table::{Cell, Table};
-use crate::rates::Fit;
+use crate::rates::{Convergence, FARTHEST, LEAST_MESHES, Order, WIDEST};
 use crate::report::Study;
 use crate::report::numbers::{percent, short};
 use crate::report::orders::Group;
 use crate::report::select::{Cases, LOADS, PAPER, Reference, families, meshes, particles};
 use crate::study::{CaseResult, shown_family};
+use crate::verdict::State;
 
 /// A table without names over its columns.
 pub fn table(title: String, head: &[&str], rows: Vec<Vec<Cell>>, note: &str) -> Table {
@@ -92,7 +93,7 @@ pub fn errors(results: &[CaseResult]) -> Option<Table> {
     Some(Table { groups, ..table(format!("Largest error of U ({family})"), &heads, rows, note) })
 }
 
-/// Fitted orders of one family with their confidence and whether the range is asymptotic, a table per exact solution.
+/// Orders of one family beside those of theory, a table per exact solution.
 pub fn orders(groups: &[Group], family: &str) -> Vec<Table> {
     let groups: Vec<&Group> = groups.iter().filter(|g| g.name.starts_with(&format!("{family}-"))).collect();
     if groups.is_empty() {
@@ -101,7 +102,7 @@ pub fn orders(groups: &[Group], family: &str) -> Vec<Table> {
     let fits = |group: &Group, reference: &str| {
         let mut row = vec![Cell::new(group.name.clone()).marked(format!("{} meshes", group.meshes.len()), "")];
         let own = group.fits.iter().filter(|(norm, _)| norm.ends_with(reference));
-        row.extend(own.map(|(_, fit)| order_cell(fit.as_ref())));
+        row.extend(own.map(|(_, found)| order_of_group(found)));
         row
     };
     let compressible = |group: &Group| {
@@ -110,10 +111,11 @@ pub fn orders(groups: &[Group], family: &str) -> Vec<Table> {
         row
     };
     let head = ["group", "max error", "late error", "profile", "U at Tv = 0.1 for L → 0"];
-    let explained = "Slope of log(error) over log(L) with the half width of its 95 % confidence interval; below it \
-                     whether the range is asymptotic (every pairwise order within 0.3 of the slope and no change of \
-                     sign), and the pairwise orders from coarse to fine. Last column: Richardson's extrapolation from \
-                     the three finest meshes.";
+    let explained = format!(
+        "{} Small letters: the order of theory, and the pairwise orders from coarse to fine. Last column: Richardson's extrapolation from \
+         the three finest meshes.",
+        order_rule()
+    );
     let little = "Orders relative to Terzaghi mean little: the error tends to the constant that the water's \
                   compressibility makes.";
     let rows = |row: &dyn Fn(&Group) -> Vec<Cell>| groups.iter().copied().map(row).collect();
@@ -122,7 +124,7 @@ pub fn orders(groups: &[Group], family: &str) -> Vec<Table> {
             "Orders relative to the exact solution with finite K_w".to_owned(),
             &head,
             rows(&compressible),
-            explained,
+            &explained,
         ),
         table("Orders relative to Terzaghi".to_owned(), &head[..4], rows(&|g| fits(g, "terzaghi")), little),
     ]
@@ -136,25 +138,34 @@ fn richardson_cell(group: &Group) -> Cell {
     }
 }
 
-/// Order and half width of its interval, if there is one.
-pub fn order_text(fit: &Fit) -> String {
-    let width = if fit.half_width.is_finite() { format!(" ± {:.2}", fit.half_width) } else { String::new() };
-    format!("{:.2}{width}", fit.order).replace('-', "\u{2212}")
+/// An order with its verdict, in the colour of its state.
+pub fn order_cell(found: &Convergence) -> Cell {
+    let mark = found.state().map_or("", State::mark);
+    match found.order {
+        Order::NotEstablished => Cell::new("not established").marked(found.fitted().unwrap_or_default(), mark),
+        _ => Cell::new(found.words()).marked("", mark),
+    }
 }
 
-/// A fitted order with whether it is asymptotic.
-pub fn order_cell(fit: Option<&Fit>) -> Cell {
-    let Some(fit) = fit else { return Cell::new("–").marked("needs two meshes with errors", "") };
-    let pairs: Vec<String> = fit.pairwise.iter().map(|p| short_order(*p)).collect();
-    if fit.half_width.is_infinite() {
-        return Cell::new(order_text(fit)).marked("two meshes: no interval", "warn");
+/// The same with the order of theory and the pairwise orders.
+pub fn order_of_group(found: &Convergence) -> Cell {
+    let cell = order_cell(found);
+    if found.order == Order::NotExpected {
+        return cell;
     }
-    let (words, mark) = match (fit.asymptotic, fit.order > fit.half_width) {
-        (true, true) => ("asymptotic", "good"),
-        (true, false) => ("level: does not fall with L", "warn"),
-        (false, _) => ("not asymptotic", "warn"),
-    };
-    Cell::new(order_text(fit)).marked(format!("{words}\n{}", pairs.join(", ")), mark)
+    let pairs = found.fit.iter().flat_map(|fit| &fit.pairwise).map(|p| short_order(*p)).collect::<Vec<_>>().join(", ");
+    let theory = format!("theory {}", found.theory_words());
+    let small = [cell.small.clone(), theory, pairs].into_iter().filter(|line| !line.is_empty());
+    cell.clone().small(small.collect::<Vec<_>>().join("\n"))
+}
+
+/// The one rule for orders, as a note below a table says it.
+pub fn order_rule() -> String {
+    format!(
+        "Order: slope of log |error| with its 95 % interval. It is established by {LEAST_MESHES} runs or more and an interval of at most \
+         ± {WIDEST}, and passes within {FARTHEST} of theory, on both sides; round-off: errors within ten times of what the arithmetic \
+         allows; elsewhere it is not established, and the error alone decides."
+    )
 }
 
 /// One decimal, without a sign at zero.

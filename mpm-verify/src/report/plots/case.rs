@@ -4,6 +4,7 @@ use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{BLACK, BLUE, Dash, GREY, Look, Marker, RED};
 use crate::experiment::Judged;
+use crate::rates::Order;
 use crate::report::numbers::{brief, short};
 
 /// How far the vertical axis reaches beyond the data, and the triangle stands below the line, as a factor.
@@ -98,7 +99,7 @@ fn ratio(error: f64, allowed: f64) -> String {
 
 /// A triangle of the fitted slope below the middle of the line (left, foot, top, left), and the order in words.
 fn slope(judged: &Judged) -> Option<([(f64, f64); 4], String)> {
-    let fit = judged.fit.as_ref()?;
+    let fit = judged.convergence.fit.as_ref().filter(|_| judged.convergence.order != Order::NotExpected)?;
     let mut points: Vec<(f64, f64)> = judged.errors.iter().map(|(h, e)| (*h, e.abs())).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (fine, coarse) = (points.first()?.0, points.last()?.0);
@@ -114,10 +115,7 @@ fn slope(judged: &Judged) -> Option<([(f64, f64); 4], String)> {
     let seen = between.chain([at(left)?, at(right)?]);
     let start = seen.map(|(h, e)| e / line(h)).fold(f64::INFINITY, f64::min) / ROOM;
     let top = start * line(right);
-    let words = match fit.half_width.is_finite() {
-        true => format!("order {} ± {}", short(fit.order, 3), short(fit.half_width, 2)),
-        false => format!("order {}", short(fit.order, 3)),
-    };
+    let words = format!("order {}", judged.convergence.words());
     Some(([(left, start), (right, start), (right, top), (left, start)], words))
 }
 
@@ -128,7 +126,7 @@ fn word(x: f64, y: f64, text: String) -> Series {
 
 fn caption(judged: &Judged) -> String {
     let mut words =
-        format!("{}, {}. {}: {}.", judged.row.integrator, judged.row.scheme, judged.row.verdict, judged.reason);
+        format!("{}, {}. {}: {}.", judged.row.integrator, judged.row.scheme, judged.row.verdict.word(), judged.reason);
     if judged.errors.iter().any(|(_, e)| *e < 0.0) {
         words.push_str(" Open markers: too small a value.");
     }
