@@ -68,9 +68,9 @@ impl Cheapest<'_> {
     }
 }
 
-/// The error that a setting is good for: the largest of its own and of those with finer steps and all else equal.
+/// The error that a setting is sure to reach: the largest of its own and of those with finer steps and all else equal.
 /// Infinite if one of them failed.
-fn sure_error(row: &Row, rows: &[Row]) -> f64 {
+pub fn sure_error(row: &Row, rows: &[Row]) -> f64 {
     let own = |r: &Row| {
         if r.failure.is_none() && r.max_error_compressible.is_finite() {
             r.max_error_compressible
@@ -130,6 +130,57 @@ pub fn table(rows: &[Row]) -> Vec<Cheapest<'_>> {
     all
 }
 
+/// What a wanted error costs with an integrator and a kind of shape functions: a line of `cost.csv`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cost<'a> {
+    /// The wanted error.
+    pub wanted: f64,
+    /// The cheapest setting that reaches it, or the one that is sure to reach the smallest error.
+    pub row: &'a Row,
+    /// The error that this setting is sure to reach.
+    pub error: f64,
+}
+
+/// Columns of `cost.csv`. Others parse them: columns are only ever added at the end.
+pub const COST_COLUMNS: &str =
+    "integrator,scheme,wanted_error,reached,error,cpu_s,mesh_m,ppc,dt_or_tol,steps,method,particles,case";
+
+impl Cost<'_> {
+    /// Whether the setting is sure to reach the wanted error.
+    pub fn is_reached(&self) -> bool {
+        self.error <= self.wanted
+    }
+
+    /// The fields of the CSV.
+    pub fn fields(&self) -> Vec<String> {
+        let r = self.row;
+        let names = vec![r.integrator.clone(), r.scheme.clone()];
+        let numbers = vec![exact(self.wanted), self.is_reached().to_string(), exact(self.error), exact(r.cpu_s)];
+        let setting = vec![exact(r.mesh_m), r.ppc.to_string(), exact(r.dt_or_tol), r.steps.to_string()];
+        [names, numbers, setting, vec![r.method.clone(), r.particles.to_string(), r.case.clone()]].concat()
+    }
+}
+
+/// For each integrator with each kind of shape functions, in the order in which they were run, one line per wanted error.
+pub fn costs(rows: &[Row]) -> Vec<Cost<'_>> {
+    let mut pairs: Vec<(&str, &str)> = Vec::new();
+    for row in rows {
+        let pair = (row.integrator.as_str(), row.scheme.as_str());
+        if !pairs.contains(&pair) {
+            pairs.push(pair);
+        }
+    }
+    let cost = |(integrator, scheme), wanted| {
+        let own = move |r: &Row| (r.integrator.as_str(), r.scheme.as_str()) == (integrator, scheme);
+        let (row, error) = match cheapest(rows, wanted, own) {
+            Some(row) => (row, sure_error(row, rows)),
+            None => best(rows, own)?,
+        };
+        Some(Cost { wanted, row, error })
+    };
+    pairs.into_iter().flat_map(|pair| WANTED.into_iter().filter_map(move |wanted| cost(pair, wanted))).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,6 +219,19 @@ mod tests {
     fn of_tolerances_that_lead_to_the_same_computation_the_loosest_is_named() {
         let rows = [row("quasi-static", 0.2, 1e-2, 1e-4, 1.1e-5), row("quasi-static", 0.2, 1e-3, 1e-4, 1.0e-5)];
         assert_eq!(cheapest(&rows, 2e-4, |_| true), Some(&rows[0]));
+    }
+
+    #[test]
+    fn a_cost_is_of_the_scheme_that_its_line_names() {
+        let linear = Row { scheme: "linear".to_owned(), ..row("semi-implicit", 0.04, 1e-3, 8e-4, 1e-3) };
+        let rows = [row("semi-implicit", 0.02, 1e-3, 5e-3, 2e-3), row("semi-implicit", 0.01, 1e-3, 2e-3, 9e-3), linear];
+        let costs = costs(&rows);
+        assert_eq!(costs.len(), 2 * WANTED.len(), "every cell of the table has numbers");
+        assert!(costs.iter().all(|c| c.fields().len() == COST_COLUMNS.split(',').count()));
+        let centre =
+            |wanted: f64| costs.iter().find(|c| c.row.scheme == "centre" && c.wanted == wanted).expect("a cost");
+        assert_eq!((centre(1e-2).row.cpu_s, centre(1e-2).is_reached()), (2e-3, true));
+        assert_eq!((centre(1e-3).error, centre(1e-3).row.cpu_s, centre(1e-3).is_reached()), (2e-3, 9e-3, false));
     }
 
     #[test]

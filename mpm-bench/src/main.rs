@@ -6,13 +6,14 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use mpm_bench::cheapest;
-use mpm_bench::kernel::kept::kept_or_measured;
-use mpm_bench::peers::peers;
+use mpm_bench::kernel::kept::{copy, kept_or_measured};
+use mpm_bench::peers::{Peer, peers};
 use mpm_bench::plan::Plan;
 use mpm_bench::report::Findings;
 use mpm_bench::report::answers::answers;
 use mpm_bench::store::Store;
 use mpm_bench::sweep::{SweepError, build, sweep};
+use mpm_core::scene::Scene;
 use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::page::site;
@@ -31,6 +32,9 @@ struct Cli {
     /// Measure everything again; otherwise an interrupted sweep is continued
     #[arg(long)]
     fresh: bool,
+    /// Write the report of a finished sweep in this folder again, without a measurement
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["quick", "only", "fresh"])]
+    from: Option<PathBuf>,
     /// Folder for the results
     #[arg(long, value_name = "DIR", default_value = "reports/speed-against-error", help_heading = "Output")]
     out: PathBuf,
@@ -44,7 +48,8 @@ struct Cli {
 
 const EXAMPLES: &str = "Examples:
   mpm-bench --quick                       a first picture
-  mpm-bench --only quasi-static-bspline2  one integrator and scheme";
+  mpm-bench --only quasi-static-bspline2  one integrator and scheme
+  mpm-bench --from DIR --out DIR          the report of a finished sweep again";
 
 /// Why a sweep did not succeed.
 #[derive(Debug, thiserror::Error)]
@@ -71,22 +76,50 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<(), Failure> {
-    let start = std::time::Instant::now();
     let base = mpm_verify::scenes::terzaghi();
     let mut plan = Plan::new(&base, cli.quick).map_err(|e| Failure::BadInput(e.to_string()))?;
     if let Some(text) = &cli.only {
         plan.only(text).map_err(|e| Failure::BadInput(e.to_string()))?;
     }
     let peers = peers().map_err(|e| Failure::BadInput(format!("peers/terzaghi.csv: {e}")))?;
-    let manifest = Manifest { command: command(), ..Manifest::new(&base, 1) };
+    let read = |from: &PathBuf| Findings::read(from, peers.clone(), plan.left_out.clone());
+    let stored = cli.from.as_ref().map(read).transpose().map_err(|e| Failure::BadInput(format!("--from: {e}")))?;
     let folder = Folder::take(&cli.out).map_err(|e| Failure::BadInput(format!("--out: {e}")))?;
+    let findings = match stored {
+        Some(findings) => findings,
+        None => measured(cli, &base, plan, peers)?,
+    };
+    cli.from.iter().try_for_each(|from| copy(from, folder.stage())).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    findings.write(folder.stage()).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
+    // A home page of someone else stays as it is.
+    let home = site::home(&cli.out);
+    if site::is_free(&home).is_ok() {
+        site::refresh(&home).map_err(|e| Failure::RunFailed(e.to_string()))?;
+    }
+    if cli.json {
+        print_json(&findings);
+    }
+    let quiet = cli.quiet || cli.json;
+    for answer in answers(&findings) {
+        say(quiet, &format!("{:>6}: {}", answer.wanted, answer.answer));
+    }
+    say(quiet, &findings.notes[0]);
+    say(quiet, &format!("page: {}", cli.out.join("index.html").display()));
+    Ok(())
+}
+
+/// What a sweep finds, with what the store has of it.
+fn measured(cli: &Cli, base: &Scene, plan: Plan, peers: Vec<Peer>) -> Result<Findings, Failure> {
+    let start = std::time::Instant::now();
+    let manifest = Manifest { command: command(), ..Manifest::new(base, 1) };
     let mut store = open(&cli.out, &build(&manifest), cli.fresh)?;
     let mut notes = store.opened.notes();
     let quiet = cli.quiet || cli.json;
     notes.iter().for_each(|note| say(quiet, note));
 
     let progress = Progress::new("speed against error", quiet);
-    let rows = sweep(&plan, &base, &mut store, &progress).map_err(|e| match e {
+    let rows = sweep(&plan, base, &mut store, &progress).map_err(|e| match e {
         SweepError::Setting(why) => Failure::BadInput(why.to_string()),
         e => Failure::RunFailed(e.to_string()),
     })?;
@@ -103,23 +136,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
     }
     let mut findings = Findings::new(manifest, rows, peers, plan.left_out, notes);
     findings.kernel = Some(kernel);
-    findings.write(folder.stage()).map_err(|e| Failure::RunFailed(e.to_string()))?;
-    folder.publish().map_err(|e| Failure::RunFailed(e.to_string()))?;
-    // A home page of someone else stays as it is.
-    let home = site::home(&cli.out);
-    if site::is_free(&home).is_ok() {
-        site::refresh(&home).map_err(|e| Failure::RunFailed(e.to_string()))?;
-    }
-    if cli.json {
-        print_json(&findings);
-    }
-    for answer in answers(&findings) {
-        say(quiet, &format!("{:>6}: {}", answer.wanted, answer.answer));
-        answer.beside.iter().for_each(|line| say(quiet, &format!("        {line}")));
-    }
-    say(quiet, &findings.notes[0]);
-    say(quiet, &format!("page: {}", cli.out.join("index.html").display()));
-    Ok(())
+    Ok(findings)
 }
 
 /// Opens the store of a folder.

@@ -33,20 +33,9 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// The smaller of its errors: the kinder reading.
-    pub fn error(&self) -> f64 {
-        let known = [self.max_error_compressible, self.max_error_terzaghi];
-        known.into_iter().flatten().fold(f64::INFINITY, f64::min)
-    }
-
     /// CPU time in the middle of its range, s.
     pub fn cpu_s(&self) -> f64 {
         0.5 * (self.cpu_low_s + self.cpu_high_s)
-    }
-
-    /// Against which solution its smaller error is.
-    pub fn against(&self) -> &'static str {
-        if self.max_error_compressible.is_some_and(|e| e <= self.error()) { "compressible water" } else { "Terzaghi" }
     }
 }
 
@@ -57,12 +46,6 @@ impl Peer {
 pub fn peers() -> Result<Vec<Peer>, csv::Error> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(FILE.as_bytes());
     reader.deserialize().collect()
-}
-
-/// The cheapest peer for a wanted error of those that `which` takes; errors against either solution count.
-pub fn cheapest(peers: &[Peer], wanted: f64, which: impl Fn(&Peer) -> bool) -> Option<&Peer> {
-    let reached = peers.iter().filter(|p| which(p) && p.error() <= wanted);
-    reached.min_by(|a, b| a.cpu_s().total_cmp(&b.cpu_s()))
 }
 
 #[cfg(test)]
@@ -76,19 +59,11 @@ mod tests {
         for peer in &peers {
             let words = [&peer.peer, &peer.version, &peer.kind, &peer.setting, &peer.timed];
             assert!(words.iter().all(|w| !w.is_empty()), "{peer:?}");
-            assert!(peer.error().is_finite() && peer.error() > 0.0 && peer.error() < 1.0, "{peer:?}");
+            let errors = || [peer.max_error_compressible, peer.max_error_terzaghi].into_iter().flatten();
+            assert!(errors().count() > 0 && errors().all(|error| error > 0.0 && error < 1.0), "{peer:?}");
             assert!(peer.mesh_m > 0.0 && peer.steps > 0 && peer.cpu_low_s > 0.0 && peer.cpu_high_s >= peer.cpu_low_s);
             assert!(["solve", "process"].contains(&peer.timed.as_str()), "{peer:?}");
             assert!(["finite-volumes", "finite-elements", "material-points"].contains(&peer.kind.as_str()));
         }
-    }
-
-    #[test]
-    fn the_cheapest_that_gets_there_is_named() {
-        let peers = peers().expect("a file that reads");
-        let name = |wanted, kind: &str| cheapest(&peers, wanted, |p| p.kind == kind).map(|p| p.peer.clone());
-        assert_eq!(name(1e-3, "finite-elements").as_deref(), Some("DOLFINx"));
-        assert_eq!(name(1e-2, "material-points").as_deref(), Some("cb-geo/mpm"));
-        assert_eq!(name(1e-3, "material-points"), None);
     }
 }

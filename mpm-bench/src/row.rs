@@ -43,7 +43,7 @@ pub struct Found {
 }
 
 /// A setting with its cost: a line of `speed_against_error.csv`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub struct Row {
     pub case: String,
@@ -138,7 +138,9 @@ impl Row {
 
     /// Runs that differ from this one in nothing but how fine they are in time.
     pub fn same_but_time(&self, other: &Self) -> bool {
-        let key = |r: &Self| (r.integrator.clone(), r.scheme.clone(), r.ppc, r.dimension.clone(), r.method.clone());
+        fn key(r: &Row) -> (&str, &str, &str, &str, usize) {
+            (&r.integrator, &r.scheme, &r.dimension, &r.method, r.ppc)
+        }
         self.mesh_m == other.mesh_m && key(self) == key(other)
     }
 

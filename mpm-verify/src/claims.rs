@@ -300,7 +300,7 @@ fn opposite_trend(runs: &Runs) -> Judged {
     let (errors, trend) = trend(runs, |r| r.max_error_terzaghi)?;
     let particles: Vec<String> = runs.particles().iter().map(ToString::to_string).collect();
     let evidence =
-        format!("errors against Terzaghi with {} per cell: {errors}: {}", particles.join(", "), trend.words());
+        format!("errors relative to Terzaghi with {} per cell: {errors}: {}", particles.join(", "), trend.words());
     Some((evidence, holds(trend == Trend::Rises)))
 }
 
@@ -310,7 +310,8 @@ fn crossing_noise(runs: &Runs) -> Judged {
     let crossings: u64 =
         runs.particles().iter().filter_map(|ppc| runs.get(FINEST, *ppc)).map(|r| r.cell_crossings).sum();
     let evidence = format!(
-        "{crossings} cell crossings in these runs; against compressible water the errors are {errors}: the trend {}",
+        "{crossings} cell crossings in these runs; relative to the exact solution with finite bulk modulus of the pore water the errors \
+         are {errors}: the trend {}",
         match (there, still_there) {
             (Trend::Rises, Trend::Rises) => "stays",
             (Trend::Rises, _) => "is gone",

@@ -21,10 +21,27 @@ struct Kept {
     kernel: Kernel,
 }
 
+/// What an earlier run found, and with which build; whether it was a quick look.
+fn read(folder: &Path) -> Option<Kept> {
+    serde_json::from_slice(&fs::read(folder.join(NAME)).ok()?).ok()
+}
+
+/// What an earlier run of any build found.
+pub fn stored(folder: &Path) -> Option<Kernel> {
+    read(folder).map(|kept| kept.kernel)
+}
+
+/// Copies what an earlier run found to another folder, if it found something.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn copy(from: &Path, to: &Path) -> io::Result<()> {
+    read(from).map_or(Ok(()), |kept| keep(to, &kept))
+}
+
 /// What an earlier run of this build found with as much effort or more.
 fn kept(folder: &Path, build: &str, quick: bool) -> Option<Kernel> {
-    let kept: Kept = serde_json::from_slice(&fs::read(folder.join(NAME)).ok()?).ok()?;
-    (kept.build == build && (quick || !kept.quick)).then_some(kept.kernel)
+    read(folder).filter(|kept| kept.build == build && (quick || !kept.quick)).map(|kept| kept.kernel)
 }
 
 fn keep(folder: &Path, kept: &Kept) -> io::Result<()> {

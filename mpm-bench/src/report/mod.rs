@@ -25,7 +25,7 @@ use mpm_verify::report::tables::table;
 use crate::baseline;
 use crate::cheapest;
 use crate::growth::{self, Growth, growths};
-use crate::kernel::Kernel;
+use crate::kernel::{Kernel, kept};
 use crate::pareto::front;
 use crate::peers::Peer;
 use crate::row::{self, Row};
@@ -69,6 +69,21 @@ impl Findings {
         Self { manifest, rows, growths, kernel: None, peers, left_out, notes }
     }
 
+    /// Reads the results of a sweep from its folder.
+    ///
+    /// # Errors
+    /// A file of it cannot be read, or is not what it should be, with its path.
+    pub fn read(folder: &Path, peers: Vec<Peer>, left_out: Vec<String>) -> Result<Self, ReportError> {
+        let path = folder.join("speed_against_error.csv");
+        let rows = csv::Reader::from_path(&path).and_then(|reader| reader.into_deserialize().collect());
+        let rows: Vec<Row> = rows.map_err(|cause| ReportError::Read { path, cause })?;
+        let path = folder.join("manifest.json");
+        let manifest = fs::read(&path).and_then(|text| Ok(serde_json::from_slice(&text)?));
+        let manifest = manifest.map_err(|cause| ReportError::Write { path, cause })?;
+        let notes = vec![format!("{} settings, as stored; the times are those of the conditions below.", rows.len())];
+        Ok(Self { kernel: kept::stored(folder), ..Self::new(manifest, rows, peers, left_out, notes) })
+    }
+
     /// Writes tables, pictures and pages into a folder.
     ///
     /// # Errors
@@ -79,6 +94,8 @@ impl Findings {
         table(&folder.join("speed_against_error.csv"), row::COLUMNS, self.rows.iter().map(Row::fields))?;
         let cheapest = cheapest::table(&self.rows);
         table(&folder.join("cheapest.csv"), cheapest::COLUMNS, cheapest.iter().map(cheapest::Cheapest::fields))?;
+        let costs = cheapest::costs(&self.rows);
+        table(&folder.join("cost.csv"), cheapest::COST_COLUMNS, costs.iter().map(cheapest::Cost::fields))?;
         table(&folder.join("growth.csv"), growth::COLUMNS, self.growths.iter().map(tables::growth_fields))?;
         self.kernel.iter().try_for_each(|kernel| kernel::write(kernel, folder))?;
         let conditions = serde_json::to_string_pretty(&self.manifest).map_err(io::Error::from);

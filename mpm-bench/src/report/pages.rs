@@ -10,7 +10,7 @@ use mpm_verify::report::plots::figure::Figure;
 
 use super::Findings;
 use super::answers::{Answer, answers, summary};
-use super::section::{Section, sections};
+use super::section::{COST, Section, sections};
 
 /// Sections that are folded up at first.
 const FOLDED: [&str; 5] = ["growth", "kernel", "peers", "left-out", "measured"];
@@ -24,13 +24,18 @@ pub fn write(findings: &Findings, figures: &[Figure], folder: &Path) -> Result<(
     let first = figures.first();
     let mut page = Page::new("What accuracy costs: speed against error of every integrator and scheme")
         .lead(summary(findings))
-        .section(first.iter().fold(page::Section::new("picture", "Error against CPU time"), |s, f| s.figure(f)));
-    let found = answers(findings).iter().fold(page::Section::new("answers", "What to use for a wanted error"), answer);
-    page = page.section(found);
+        .section(
+            first.iter().fold(page::Section::new("picture", "Speed against error at a glance"), |s, f| s.figure(f)),
+        );
     for own in &all {
-        page = page.section(section(own, figures, first));
+        page = page.section(section(own, figures));
+        if own.id == COST {
+            let found = page::Section::new("answers", "What to use for a wanted error");
+            let answers = answers(findings);
+            page = page.section(answers.chunk_by(|a, b| a.answer == b.answer).fold(found, answer));
+        }
     }
-    let files = ["speed_against_error.csv", "cheapest.csv", "growth.csv", "manifest.json"];
+    let files = ["speed_against_error.csv", "cost.csv", "cheapest.csv", "growth.csv", "manifest.json"];
     let report = Report::new(Kind::Speed);
     let report = first.map_or(report.clone(), |f| report.picture(format!("plots/{}.svg", f.name), &*f.title));
     let page =
@@ -41,27 +46,22 @@ pub fn write(findings: &Findings, figures: &[Figure], folder: &Path) -> Result<(
     fs::write(&path, text).map_err(|cause| ReportError::Write { path, cause })
 }
 
-fn answer(section: page::Section, answer: &Answer) -> page::Section {
-    let mut section = section
-        .with(Block::Heading(format!("For {}", answer.wanted)))
-        .text(answer.answer.clone())
-        .list(answer.beside.clone());
-    if !answer.command.is_empty() {
-        section = section.with(Block::Command(answer.command.clone()));
-    }
-    section
+/// An answer for the wanted errors that it serves.
+fn answer(section: page::Section, same: &[Answer]) -> page::Section {
+    let Some(first) = same.first() else { return section };
+    let wanted: Vec<&str> = same.iter().map(|answer| answer.wanted.as_str()).collect();
+    let section = section.with(Block::Heading(format!("For {}", wanted.join(", ")))).text(first.answer.clone());
+    if first.command.is_empty() { section } else { section.with(Block::Command(first.command.clone())) }
 }
 
-/// A section with its figures, without the one that the page begins with.
-fn section(own: &Section, figures: &[Figure], first: Option<&Figure>) -> page::Section {
+fn section(own: &Section, figures: &[Figure]) -> page::Section {
     let mut section = page::Section::new(own.id, own.title);
     section.folded = FOLDED.contains(&own.id);
     for text in &own.text {
         section = section.text(text.clone());
     }
     section = section.list(own.items.clone());
-    let known = own.pictures.iter().filter_map(|name| figures.iter().find(|f| f.name == *name));
-    for figure in known.filter(|figure| first.is_none_or(|first| first.name != figure.name)) {
+    for figure in own.pictures.iter().filter_map(|name| figures.iter().find(|f| f.name == *name)) {
         section = section.figure(figure);
     }
     section.tables(own.tables.iter().cloned())

@@ -7,29 +7,23 @@ use mpm_verify::report::plots::schemes::LOOKS;
 
 use super::{Findings, kernel};
 use crate::baseline;
+use crate::cheapest::sure_error;
 use crate::pareto::front;
+use crate::peers::Peer;
 use crate::row::{MOVING, Row};
 
-/// Error against CPU time, both references.
-pub const CPU: &str = "error-against-cpu";
+/// The fronts of error against CPU time, of every integrator and code.
+pub const FRONTS: &str = "fronts";
 /// The same by shape functions.
-pub const CPU_SCHEMES: &str = "error-against-cpu-by-scheme";
-/// Error against steps.
-pub const STEPS: &str = "error-against-steps";
-/// Error against particles.
-pub const PARTICLES: &str = "error-against-particles";
+pub const BY_SCHEME: &str = "error-against-cpu-by-scheme";
 /// CPU time over the cell edge.
 pub const GROWTH: &str = "cpu-against-mesh";
 
 /// All pictures in the order of the page.
 pub fn figures(findings: &Findings) -> Vec<Figure> {
-    let mut figures = vec![
-        against_cpu(findings),
-        by_scheme(findings),
-        against_steps(findings),
-        against_particles(findings),
-        growth(findings),
-    ];
+    let points: Vec<(&Row, (f64, f64))> =
+        findings.rows.iter().map(|row| (row, (row.cpu_s, sure_error(row, &findings.rows)))).collect();
+    let mut figures = vec![fronts(&points, &findings.peers), by_scheme(&points), growth(findings)];
     figures.extend(findings.kernel.as_ref().map(kernel::figure));
     figures
 }
@@ -54,126 +48,81 @@ fn cpu_axis() -> Axis {
     Axis::log("CPU time of a whole solve (s)", "cpu_s")
 }
 
-/// The points of some rows on the front of what is small in both directions, in order.
+/// The points on the front of what is small in both directions, in order.
 fn front_of(points: &[(f64, f64)]) -> Vec<Point> {
     let on = front(points);
-    let mut kept: Vec<(f64, f64)> = points.iter().zip(on).filter(|(_, on)| *on).map(|(p, _)| *p).collect();
+    let mut kept: Vec<(f64, f64)> =
+        points.iter().zip(on).filter(|((_, error), on)| *on && error.is_finite()).map(|(p, _)| *p).collect();
     kept.sort_by(|a, b| a.0.total_cmp(&b.0));
     kept.dedup();
     kept.into_iter().map(|(x, y)| Point::new(x, y)).collect()
 }
 
-/// A panel with every run as a dot, and the front of every integrator and of the baseline as a line.
-fn panel(rows: &[Row], title: &str, x: Axis, of: impl Fn(&Row) -> f64, error: impl Fn(&Row) -> f64) -> Panel {
-    let mut panel = Panel::new(title, x, Axis::log(ERROR, "max_error"));
-    let points = |name: &str| -> Vec<(f64, f64)> {
-        rows.iter().filter(|r| r.integrator == name && r.failure.is_none()).map(|r| (of(r), error(r))).collect()
-    };
-    for name in baseline::with_integrators() {
-        let look = Look { marker: Marker::Dot, ..look_of(&name) }.radius(1.1);
-        let dots = points(&name).into_iter().map(|(x, y)| Point::new(x, y));
-        panel.add(Series::new(format!("{name}, every run"), look, Mark::Points, dots).unlisted());
-    }
-    for name in baseline::with_integrators() {
-        let label = if baseline::is(&name) { "finite-volume baselines".to_owned() } else { name.clone() };
-        let look = look_of(&name).radius(3.4);
-        panel.add(Series::new(label, look, Mark::LinePoints, front_of(&points(&name))));
-    }
-    panel
+/// CPU time and error of some rows.
+fn of(points: &[(&Row, (f64, f64))], which: impl Fn(&Row) -> bool) -> Vec<(f64, f64)> {
+    points.iter().filter(|(row, _)| which(row)).map(|(_, point)| *point).collect()
 }
 
-fn against_cpu(findings: &Findings) -> Figure {
-    let mut panels = vec![
-        panel(
-            &findings.rows,
-            "relative to the exact solution with finite K_w",
-            cpu_axis(),
-            |r| r.cpu_s,
-            |r| r.max_error_compressible,
-        ),
-        panel(&findings.rows, "relative to Terzaghi", cpu_axis(), |r| r.cpu_s, |r| r.max_error_terzaghi),
-    ];
-    for (panel, which) in panels.iter_mut().zip([0, 1]) {
-        let known = findings.peers.iter().filter_map(|p| {
-            let error = [p.max_error_compressible, p.max_error_terzaghi][which]?;
-            // The first word, or what its users call it.
-            let first = p.peer.split([' ', '/']).next().unwrap_or(&p.peer);
-            let name = if first == "OpenGeoSys" { "OGS" } else { first };
-            Some(Point::new(p.cpu_s(), error).note(name).open(true))
-        });
-        let look = Look::new(BLACK, Marker::Star).radius(4.5);
-        panel.add(Series::new("other codes, measured elsewhere", look, Mark::Points, known));
+/// The front of every integrator and of the baselines as a line, other codes as points with their names.
+fn fronts(points: &[(&Row, (f64, f64))], peers: &[Peer]) -> Figure {
+    let mut panel = Panel::new("", cpu_axis(), Axis::log(ERROR, "max_error"));
+    for name in baseline::with_integrators() {
+        let label = if baseline::is(&name) { "finite-volume baselines".to_owned() } else { name.clone() };
+        let own = of(points, |r| r.integrator == name);
+        panel.add(Series::new(label, look_of(&name).radius(3.4), Mark::LinePoints, front_of(&own)));
     }
-    share_x(&mut panels);
+    let mut named: Vec<&str> = Vec::new();
+    let known = peers.iter().filter_map(|p| {
+        let error = p.max_error_compressible.or(p.max_error_terzaghi)?;
+        let is_new = !named.contains(&p.peer.as_str());
+        named.push(&p.peer);
+        let name = if is_new { p.peer.as_str() } else { "" };
+        Some(Point::new(p.cpu_s(), error).note(name).open(p.max_error_compressible.is_none()))
+    });
+    let known: Vec<Point> = known.collect();
+    panel.add(Series::new(
+        "other codes, measured elsewhere",
+        Look::new(BLACK, Marker::Star).radius(4.5),
+        Mark::Points,
+        known,
+    ));
     // Room for the names of slow codes.
-    for panel in &mut panels {
-        panel.x.range = panel.x.range.map(|(start, end)| (start, 3.0 * end));
-    }
-    share_y(&mut panels);
+    share_x(std::slice::from_mut(&mut panel));
+    panel.x.range = panel.x.range.map(|(start, end)| (start, 6.0 * end));
     Figure {
-        name: CPU,
-        title: "Error against CPU time".to_owned(),
-        caption: "Dots: every run. Lines: the Pareto front of an integrator, its settings that no other setting beats in both error and \
-                  time. Errors relative to Terzaghi tend to 2.7 %, the difference of the two exact solutions; below it \
-                  two errors of opposite sign cancel."
+        name: FRONTS,
+        title: "Speed against error: the cheapest settings".to_owned(),
+        caption: "Each line is the Pareto front of an integrator over all its shape functions, meshes, particles and steps: no other of its \
+                  settings has less error in less time. Errors are relative to the exact solution with finite K_w, those of open stars \
+                  relative to Terzaghi."
             .to_owned(),
-        height: 470.0,
-        panels,
+        height: 420.0,
+        panels: vec![panel],
         missing: Vec::new(),
     }
 }
 
-fn by_scheme(findings: &Findings) -> Figure {
+fn by_scheme(points: &[(&Row, (f64, f64))]) -> Figure {
     let mut panels = Vec::new();
     for name in baseline::with_integrators().iter().filter(|n| !baseline::is(n) && !n.ends_with(MOVING)) {
         let mut panel = Panel::new(name, cpu_axis(), Axis::log(ERROR, "max_error"));
         for (place, (scheme, look)) in LOOKS.into_iter().enumerate() {
-            let own = |r: &&Row| r.integrator == *name && r.scheme == scheme && r.failure.is_none();
-            let points: Vec<(f64, f64)> =
-                findings.rows.iter().filter(own).map(|r| (r.cpu_s, r.max_error_compressible)).collect();
+            let own = of(points, |r| r.integrator == *name && r.scheme == scheme);
             let look = look.radius(5.2 - 0.8 * place as f64).width(2.8 - 0.5 * place as f64);
-            panel.add(Series::new(scheme, look, Mark::LinePoints, front_of(&points)));
+            panel.add(Series::new(scheme, look, Mark::LinePoints, front_of(&own)));
         }
         panels.push(panel);
     }
     share_x(&mut panels);
     share_y(&mut panels);
     Figure {
-        name: CPU_SCHEMES,
+        name: BY_SCHEME,
         title: "Error against CPU time by shape functions: the front of each".to_owned(),
         caption: "Relative to the exact solution with finite K_w. Explicit and semi-implicit runs carry inertia and large strain, which \
                   the exact solution neglects: their errors tend to these effects."
             .to_owned(),
         height: 390.0,
         panels,
-        missing: Vec::new(),
-    }
-}
-
-fn against_steps(findings: &Findings) -> Figure {
-    let axis = Axis::log("steps (Krylov: basis vectors)", "steps");
-    Figure {
-        name: STEPS,
-        title: "Error against steps".to_owned(),
-        caption: "Relative to the exact solution with finite K_w. Dots and lines as above. Steps differ in cost: the \
-                  baseline and implicit runs solve a system in each, an explicit step visits every particle."
-            .to_owned(),
-        height: 400.0,
-        panels: vec![panel(&findings.rows, "", axis, |r| r.steps as f64, |r| r.max_error_compressible)],
-        missing: Vec::new(),
-    }
-}
-
-fn against_particles(findings: &Findings) -> Figure {
-    let column: Vec<Row> = findings.rows.iter().filter(|r| r.dimension == "column").cloned().collect();
-    let axis = Axis::log("solid particles in the column (baseline: cells)", "particles");
-    Figure {
-        name: PARTICLES,
-        title: "Error against particles".to_owned(),
-        caption: "Relative to the exact solution with finite K_w, runs in one dimension. Dots and lines as above."
-            .to_owned(),
-        height: 400.0,
-        panels: vec![panel(&column, "", axis, |r| r.particles as f64, |r| r.max_error_compressible)],
         missing: Vec::new(),
     }
 }

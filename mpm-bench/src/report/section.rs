@@ -4,6 +4,7 @@ use mpm_verify::report::content::table::Table;
 use serde::Serialize;
 
 use super::{Findings, kernel, plots, tables};
+use crate::cheapest::costs;
 
 /// A section of the pages.
 #[derive(Debug, Clone, Serialize)]
@@ -22,9 +23,12 @@ pub struct Section {
     pub tables: Vec<Table>,
 }
 
+/// The section of costs, which the answers follow.
+pub const COST: &str = "cost";
+
 /// All sections in the order of the page.
 pub fn sections(findings: &Findings) -> Vec<Section> {
-    let mut sections = vec![cheapest(findings), cpu(), work(), growth(findings)];
+    let mut sections = vec![cost(findings), schemes(), growth(findings)];
     sections.extend(findings.kernel.as_ref().map(kernel::section));
     sections.extend([peers(findings), left_out(findings), measured(findings)]);
     sections
@@ -34,24 +38,20 @@ fn section(id: &'static str, title: &'static str) -> Section {
     Section { id, title, text: Vec::new(), items: Vec::new(), pictures: Vec::new(), tables: Vec::new() }
 }
 
-fn cheapest(findings: &Findings) -> Section {
+fn cost(findings: &Findings) -> Section {
     Section {
         text: vec![
             "A setting counts only if every run that differs from it by a shorter step or a tighter tolerance alone also reaches \
              the wanted error: errors in space and in time may cancel by chance."
                 .to_owned(),
         ],
-        tables: vec![tables::cheapest(findings), tables::schemes(findings)],
-        ..section("cheapest", "The cheapest setting")
+        tables: vec![tables::cost(&costs(&findings.rows))],
+        ..section(COST, "Cost of a wanted error")
     }
 }
 
-fn cpu() -> Section {
-    Section { pictures: vec![plots::CPU, plots::CPU_SCHEMES], ..section("cpu", "Error against CPU time") }
-}
-
-fn work() -> Section {
-    Section { pictures: vec![plots::STEPS, plots::PARTICLES], ..section("work", "Error against steps and particles") }
+fn schemes() -> Section {
+    Section { pictures: vec![plots::BY_SCHEME], ..section("schemes", "Shape functions") }
 }
 
 fn growth(findings: &Findings) -> Section {

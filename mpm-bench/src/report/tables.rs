@@ -2,136 +2,45 @@
 
 use mpm_verify::report::content::table::{Cell, Table, table};
 use mpm_verify::report::numbers::{exact, short};
-use mpm_verify::report::plots::schemes::LOOKS;
 
 use super::Findings;
-use super::words::{bytes, in_time, setting, share, time, times, wanted};
-use crate::baseline::{self, Kind};
-use crate::cheapest::{self, WANTED, best};
+use super::words::{in_time, share, time, times, wanted};
+use crate::baseline;
+use crate::cheapest::{Cost, WANTED};
 use crate::growth::Growth;
 use crate::peers::Peer;
 use crate::row::{MOVING, Row};
 
-/// A row per wanted error and integrator, the cheapest first; integrators that do not get there last.
-pub fn cheapest(findings: &Findings) -> Table {
-    let rows = &findings.rows;
-    let found = cheapest::table(rows);
-    let mut lines = Vec::new();
-    for error in WANTED {
-        let reached: Vec<_> = found.iter().filter(|c| c.wanted == error).collect();
-        let least = reached.first().map_or(f64::NAN, |c| c.row.cpu_s);
-        for (place, one) in reached.iter().enumerate() {
-            let r = one.row;
-            let spread =
-                if r.runs > 1 { format!("\u{b1} {} %", short(100.0 * r.spread(), 2)) } else { "one run".to_owned() };
-            let cells = [
-                wanted(error) + ": " + &r.integrator,
-                time(r.cpu_s),
-                times(r.cpu_s / least),
-                times(one.ratios()[0]),
-                times(one.ratios()[1]),
-                share(r.max_error_compressible),
-                share(r.max_error_terzaghi),
-                r.steps.to_string(),
-                bytes(r.peak_bytes),
-            ];
-            let mut cells = cells.map(Cell::new);
-            cells[0] = cells[0].clone().marked(setting(r), "");
-            cells[1] = cells[1].clone().marked(spread, if place == 0 { "paper" } else { "" });
-            lines.push(cells.to_vec());
-        }
-        for name in baseline::with_integrators().iter().filter(|n| !baseline::is(n)) {
-            let Some((nearest, least)) = best(rows, |r| r.integrator == *name) else { continue };
-            if !reached.iter().any(|c| c.row.integrator == *name) {
-                let text = format!("not reached; best {}: {}", share(least), setting(nearest));
-                let dash = || Cell::new("\u{2013}");
-                let mut cells = vec![Cell::new(wanted(error) + ": " + name).marked(text, "")];
-                cells.extend((0..8).map(|_| dash()));
-                lines.push(cells);
-            }
-        }
-        for kind in Kind::ALL {
-            let Some(r) = cheapest::cheapest(rows, error, |r| r.scheme == kind.scheme()) else { continue };
-            let over = |other: Kind| {
-                let other = cheapest::cheapest(rows, error, |r| r.scheme == other.scheme());
-                times(r.cpu_s / other.map_or(f64::NAN, |o| o.cpu_s))
-            };
-            let cells = [
-                format!("{}: {} baseline", wanted(error), kind.word()),
-                time(r.cpu_s),
-                times(r.cpu_s / least),
-                over(Kind::Plain),
-                over(Kind::Graded),
-                share(r.max_error_compressible),
-                share(r.max_error_terzaghi),
-                r.steps.to_string(),
-                bytes(r.peak_bytes),
-            ];
-            let mut cells = cells.map(Cell::new);
-            cells[0] = cells[0].clone().marked(setting(r), "");
-            lines.push(cells.to_vec());
-        }
-    }
-    let head = [
-        "wanted error and setting",
-        "CPU time",
-        "over the cheapest",
-        "over the plain baseline",
-        "over the graded one",
-        "error, compressible",
-        "error, Terzaghi",
-        "steps",
-        "memory",
-    ];
-    table(
-        "The cheapest setting of each integrator for a wanted error".to_owned(),
-        &head,
-        lines,
-        "The wanted error is that relative to the exact solution with finite K_w. Small letters: half the range of all timed samples. Steps of the \
-         Krylov method are basis vectors.",
-    )
-}
-
-/// CPU time per integrator and kind of shape functions for every wanted error.
-pub fn schemes(findings: &Findings) -> Table {
-    let mut head = vec!["integrator", "shape functions"];
-    let wanted: Vec<String> = WANTED.iter().map(|e| wanted(*e)).collect();
-    head.extend(wanted.iter().map(String::as_str));
-    head.push("best error");
-    let mut lines = Vec::new();
-    for name in baseline::with_integrators() {
-        let schemes: Vec<&str> = if baseline::is(&name) {
-            Kind::ALL.map(Kind::scheme).to_vec()
+/// CPU time of every integrator with every kind of shape functions for every wanted error: of the cheapest setting, or of the best one
+/// where the error is not reached.
+pub fn cost(costs: &[Cost]) -> Table {
+    let mut head = vec!["integrator, shape functions".to_owned()];
+    head.extend(WANTED.map(wanted));
+    let cell = |cost: &Cost| {
+        let r = cost.row;
+        let particles = if r.ppc > 0 {
+            format!("L = {} m, {} per cell", r.mesh_m, r.ppc)
         } else {
-            LOOKS.iter().map(|(scheme, _)| *scheme).collect()
+            format!("{} cells", r.particles)
         };
-        for scheme in schemes {
-            let own = |r: &Row| r.integrator == name && r.scheme == scheme;
-            if !findings.rows.iter().any(own) {
-                continue;
-            }
-            let mut cells = vec![Cell::new(name.clone()), Cell::new(scheme)];
-            for error in WANTED {
-                let found = cheapest::cheapest(&findings.rows, error, own);
-                cells.push(found.map_or_else(
-                    || Cell::new("not reached"),
-                    |r| {
-                        let particles = if r.ppc > 0 { format!("{} per cell\n", r.ppc) } else { String::new() };
-                        let small = format!("L = {} m\n{particles}{}", short(r.mesh_m, 2), briefly(r));
-                        Cell::new(time(r.cpu_s)).marked(small, "")
-                    },
-                ));
-            }
-            let nearest = best(&findings.rows, own);
-            cells.push(nearest.map_or_else(|| Cell::new("\u{2013}"), |(_, error)| Cell::new(share(error))));
-            lines.push(cells);
+        let small = format!("{particles}\n{}", briefly(r));
+        match cost.is_reached() {
+            true => Cell::new(time(r.cpu_s)).marked(small, ""),
+            false => Cell::new(format!("{} in {}", share(cost.error), time(r.cpu_s))).marked(small, "warn"),
         }
-    }
+    };
+    let lines = costs.chunk_by(|a, b| (&a.row.integrator, &a.row.scheme) == (&b.row.integrator, &b.row.scheme));
+    let line = |own: &[Cost]| {
+        let name = own.first().map_or_else(String::new, |c| format!("{}, {}", c.row.integrator, c.row.scheme));
+        std::iter::once(Cell::new(name)).chain(own.iter().map(cell)).collect()
+    };
+    let heads: Vec<&str> = head.iter().map(String::as_str).collect();
     table(
-        "CPU time that every integrator and scheme needs for a wanted error".to_owned(),
-        &head,
-        lines,
-        "The best error is the smallest that a setting reaches and keeps as its steps get finer.",
+        "CPU time for a wanted error".to_owned(),
+        &heads,
+        lines.map(line).collect(),
+        "CPU time of the cheapest setting of that integrator and these shape functions; below it its cells, particles and steps. Where no \
+         setting reaches the error, the smallest error that one reaches and its time. Errors are relative to the exact solution with finite K_w.",
     )
 }
 

@@ -30,12 +30,6 @@ pub fn times(ratio: f64) -> String {
     groups.join("\u{a0}")
 }
 
-/// Bytes in kB or MB.
-pub fn bytes(count: u64) -> String {
-    let count = count as f64;
-    if count < 1e6 { format!("{} kB", short(count / 1e3, 2)) } else { format!("{} MB", short(count / 1e6, 2)) }
-}
-
 /// An error in percent with its sign: `0.3 %`.
 pub fn share(error: f64) -> String {
     format!("{} %", percent(error))
@@ -84,6 +78,5 @@ mod tests {
         );
         assert_eq!((times(0.412).as_str(), times(12_741.0).as_str()), ("0.41", "12\u{a0}700"));
         assert_eq!((wanted(2e-4).as_str(), wanted(3e-3).as_str(), wanted(1e-2).as_str()), ("0.02 %", "0.3 %", "1 %"));
-        assert_eq!(bytes(12_300), "12 kB");
     }
 }

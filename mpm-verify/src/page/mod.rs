@@ -348,6 +348,7 @@ fn block(block: &Block, number: &mut usize) -> Result<Value, crate::report::plot
             let folder = if folder == "." { String::new() } else { format!("{folder}/") };
             context! {
                 kind => "figure",
+                wide => figure.is_wide(),
                 number => *number,
                 name => figure.name,
                 title => &figure.title,

@@ -258,6 +258,9 @@ fn page(root: &Path, known: &[Known]) -> Page {
         Some(image) => Section::new("picture", "").with(Block::Images(vec![image])),
         None => Section::new("picture", ""),
     };
+    let glance: Vec<Image> = stills(root, known, true).collect();
+    let pictures = (!glance.is_empty()).then_some(Block::Images(glance));
+    let glance = pictures.into_iter().fold(Section::new("glance", "At a glance"), Section::with);
     Page {
         home: true,
         ..Page::new("Verification of a two-phase double-point material point method")
@@ -265,27 +268,31 @@ fn page(root: &Path, known: &[Known]) -> Page {
             .section(Section::new("summary", "Summary").tables([summary(known)]))
             .section(first)
             .section(Section::new("verdicts", "Verdicts").tables([verdicts(known)]))
+            .section(glance)
             .section(Section::new("reports", "Reports").with(Block::Html(list(known))))
     }
 }
 
-/// The main picture: the levee, moving if there is an animation; otherwise that of the first report that has one.
+/// The main picture: the levee, moving if there is an animation; otherwise that of the first report that has one and is not seen at a glance.
 fn hero(root: &Path, known: &[Known]) -> Option<Image> {
     let moving = known.iter().filter(|k| k.report.kind == Kind::Levee).find_map(|k| {
         let file = ["levee.png", "levee.gif"].into_iter().find(|file| root.join(&k.folder).join(file).is_file())?;
-        Some((
-            k,
-            file.to_owned(),
-            "A levee through which water seeps until its slope fails, as an animation".to_owned(),
-        ))
+        Some(image(k, file, "A levee through which water seeps until its slope fails, as an animation"))
     });
-    let still = || {
-        let of = |k| (k, Known::clone(k).report.picture, Known::clone(k).report.alt);
-        known.iter().filter(|k| root.join(&k.folder).join(&k.report.picture).is_file()).map(of).next()
-    };
-    let (k, file, alt) = moving.or_else(still)?;
-    let folder = &k.folder;
-    Some(Image { src: format!("{folder}/{file}"), alt, caption: String::new(), href: format!("{folder}/index.html") })
+    moving.or_else(|| stills(root, known, false).next())
+}
+
+/// Main pictures of reports: those of accuracy and of speed, which are seen at a glance, or those of all others.
+fn stills<'a>(root: &'a Path, known: &'a [Known], at_a_glance: bool) -> impl Iterator<Item = Image> + 'a {
+    let own = known.iter().filter(move |k| matches!(k.report.kind, Kind::Study | Kind::Speed) == at_a_glance);
+    own.filter(|k| root.join(&k.folder).join(&k.report.picture).is_file())
+        .map(|k| image(k, &k.report.picture, &k.report.alt))
+}
+
+fn image(known: &Known, file: &str, alt: &str) -> Image {
+    let folder = &known.folder;
+    let (src, href) = (format!("{folder}/{file}"), format!("{folder}/index.html"));
+    Image { src, alt: alt.to_owned(), caption: String::new(), href }
 }
 
 /// One table of all verdicts.

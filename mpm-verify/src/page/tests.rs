@@ -298,6 +298,9 @@ fn home_reaches_every_page_and_every_page_leads_home() {
     {
         assert!(text.contains(part), "{part}");
     }
+    // The levee first, then accuracy, then the list.
+    let places = ["levee/plots/errors.svg", "accuracy/plots/at-a-glance.svg", "class=\"reports\""];
+    assert!(places.map(|part| text.find(part)).is_sorted(), "{text}");
     let record: Report =
         serde_json::from_slice(&fs::read(root.join("levee").join(RECORD)).expect("a record")).expect("JSON");
     assert_eq!((record.title.as_str(), record.kind), ("A page", Kind::Levee));

@@ -116,7 +116,12 @@ impl<'a> Cases<'a> {
 
     /// The case at the paper's mesh and particles with a given load, or the one nearest to it.
     pub fn paper(&self, load: &str) -> Option<&'a CaseResult> {
-        let far = |r: &CaseResult| (r.mesh_m / PAPER.0).ln().abs() + r.ppc.abs_diff(PAPER.1) as f64;
+        self.nearest(load, PAPER)
+    }
+
+    /// The case with a given load that is nearest to a mesh (m) and a number of particles per cell.
+    pub fn nearest(&self, load: &str, (mesh, ppc): (f64, usize)) -> Option<&'a CaseResult> {
+        let far = |r: &CaseResult| (r.mesh_m / mesh).ln().abs() + r.ppc.abs_diff(ppc) as f64;
         self.0.iter().copied().filter(|r| r.load == load).min_by(|a, b| far(a).total_cmp(&far(b)))
     }
 }

@@ -1,4 +1,4 @@
-//! The pages of the accuracy study: the verdict on the paper's claims with the main picture and the errors first, then the paper side by
+//! The pages of the accuracy study: the study at a glance, the verdict on the paper's claims and the errors first, then the paper side by
 //! side, orders of convergence, curves, and all cases.
 
 use std::path::Path;
@@ -7,6 +7,7 @@ use super::content::{missing, paper, schemes, table, terms::TERMS, warnings};
 use super::numbers::percent;
 use super::orders::groups;
 use super::plots::figure::Figure;
+use super::plots::{at_a_glance, time_step};
 use super::select::{Cases, PAPER, Reference};
 use super::{ReportError, Study, save};
 use crate::claims::{self, Claim};
@@ -16,7 +17,7 @@ use crate::page::verdict::{Counts, State, Tally, Verdict};
 use crate::page::{Block, Link, Page, Section};
 use crate::study::{CaseResult, Variant, shown_family};
 
-/// The first picture.
+/// Errors of the paper's scheme.
 const MAIN: &str = "max-error-against-mesh-terzaghi";
 /// Pages: file and title.
 const PAGES: [(&str, &str); 5] = [
@@ -26,6 +27,11 @@ const PAGES: [(&str, &str); 5] = [
     ("curves.html", "Profiles, curves and parts of the error"),
     ("cases.html", "All cases, cost and terms"),
 ];
+
+/// Text on the left, picture on the right, where there is room for both.
+const BESIDE: &str = "@media (min-width: 1000px) { section:has(> dl) { display: grid; \
+    grid-template-columns: minmax(0, 5fr) minmax(0, 7fr); gap: 0 2rem; align-items: start; } \
+    section:has(> dl) > h2 { grid-column: 1 / -1; } section:has(> dl) dl > div { grid-template-columns: 1fr; } }\n";
 
 /// Writes the pages and `report.md`, which holds all of them, into a folder where the figures are in `plots`.
 ///
@@ -81,10 +87,10 @@ impl Of<'_> {
         let runs = Counts::Runs { complete: study.results.len() - failed, stopped: failed };
         let claims = Tally::new("Claims of the paper on accuracy", counts(&study.claims));
         let runs = Tally::new("Runs of the accuracy study", runs);
-        let main = self.figures.iter().find(|f| f.name == MAIN);
+        let glance = self.figures.iter().find(|f| f.name == at_a_glance::NAME);
         let report = Report::new(Kind::Study)
             .counts([claims, runs])
-            .picture(format!("plots/{MAIN}.svg"), main.map_or("", |figure| &figure.title));
+            .picture(format!("plots/{}.svg", at_a_glance::NAME), glance.map_or("", |figure| &figure.title));
         let files =
             ["errors.csv", "consolidation.csv", "orders.csv", "budget.csv", "claims.csv", "claims_integrators.csv"];
         let mut files = files.to_vec();
@@ -99,13 +105,17 @@ impl Of<'_> {
             .verdict(self.verdict())
             .lead(self.lead())
             .warnings(warnings(study))
-            .section(self.drawn(Section::new("picture", "Largest error over the mesh"), &[MAIN]))
+            .section(self.drawn(Section::new("picture", "At a glance"), &[at_a_glance::NAME]))
             .section(
                 Section::new("claims", "Claims of the paper")
                     .tables([self.claims()])
                     .tables(schemes::other_claims(&study.other_claims)),
             )
-            .section(Section::new("errors", "Errors").tables(table::errors(&study.results)).files(files))
+            .section(
+                self.drawn(Section::new("errors", "Errors"), &[MAIN])
+                    .tables(table::errors(&study.results))
+                    .files(files),
+            )
             .section(
                 self.drawn(Section::new("integrators", "Errors per integrator"), &["error-of-all-schemes"])
                     .tables(schemes.into_iter().take(1)),
@@ -163,17 +173,21 @@ impl Of<'_> {
     fn paper(&self, folder: &Path) -> Page {
         let items = paper::items(&self.study.claims, folder);
         let known = items.iter().filter(|item| !item.verdicts.is_empty()).count();
-        let lead = "The figures of the paper are not reproduced here: where only a figure holds the numbers, it says \"not available\".";
-        let claims = paper::counts(&items);
+        let lead = "Known of the paper is its text, with its tables and the captions of its figures. Where only a figure holds the numbers, \
+                    they are \"not available\". Every picture here is of this program.";
+        let counts = paper::counts(&items);
         let sentence = format!(
             "{known} of {} figures, tables and passages carry a claim that is checked: {}.",
             items.len(),
-            claims.words()
+            counts.words()
         );
-        Page::new("The paper side by side")
-            .verdict(Verdict::new(claims.state(), sentence))
+        let claims = Section::new("items", "Claims of the paper").index(paper::table(&items));
+        let page = Page::new("The paper side by side")
+            .verdict(Verdict::new(counts.state(), sentence))
             .lead(lead)
-            .section(Section::new("items", "Figures and tables of the paper").index(paper::table(&items)))
+            .style(BESIDE)
+            .section(claims);
+        paper::sections(&items, self.figures).into_iter().fold(page, Page::section)
     }
 
     fn convergence(&self) -> Page {
@@ -205,6 +219,7 @@ impl Of<'_> {
 
     fn curves(&self) -> Page {
         let curves = [
+            time_step::NAME,
             "mesh",
             "isochrones",
             "consolidation",
@@ -234,9 +249,9 @@ impl Of<'_> {
 }
 
 /// The page that a figure is on.
-fn page_of(name: &str) -> &'static str {
+pub fn page_of(name: &str) -> &'static str {
     match name {
-        MAIN | "error-of-all-schemes" => "",
+        at_a_glance::NAME | MAIN | "error-of-all-schemes" => "index.html",
         "max-error-against-mesh-compressible"
         | "profile-error-against-mesh"
         | "profile-error-of-all-schemes"

@@ -300,6 +300,47 @@ fn other_integrators_stand_beside_the_paper_and_not_in_its_place() {
 }
 
 #[test]
+fn the_report_begins_with_the_study_at_a_glance() {
+    let (place, page) = &*SMALL;
+    let name = plots::at_a_glance::NAME;
+    let first = |text: &str, begin: &str| text.split_once(begin).map(|(_, rest)| rest.starts_with(name));
+    assert_eq!(first(page, "id=\"fig-"), Some(true));
+    assert_eq!(first(&text(place, "report.md"), "](plots/"), Some(true));
+    assert!(text(place, "report.json").contains(&format!("plots/{name}.svg")), "home shows it");
+    // A narrow screen shows its panels one after the other.
+    assert!(page.contains("class=\"picture wide\""));
+    let numbers = text(place, &format!("plots/{name}.csv"));
+    for row in [
+        "degree of consolidation,exact,",
+        "degree of consolidation,\"the paper's scheme, 4 per cell\",0.01,",
+        "\"pore pressure at Tv = 0.05, 0.2, 0.5, 1\",\"ours, 9 per cell\",",
+        "largest error of U,\"the paper's scheme, 1 per cell\",0.05,0.5",
+        "largest error of U,\"ours, 9 per cell\",0.05,",
+    ] {
+        assert!(numbers.contains(row), "{row}: {numbers}");
+    }
+}
+
+#[test]
+fn the_paper_stands_beside_ours_in_words_and_what_is_not_compared_comes_last() {
+    let (place, page) = &*SMALL;
+    let paper = text(place, "paper.html");
+    let claims = judge(&[]);
+    for claim in claims.iter().filter(|claim| claim.id.contains('-')) {
+        assert!(!page.contains(&claim.id), "{} is a name, no sentence", claim.id);
+        assert!(paper.contains(&crate::page::escaped(&claim.said)), "{}", claim.said);
+    }
+    let [checked, not] = [">Figure 4b</h2>", ">Figure 1</h2>"].map(|part| paper.find(part));
+    assert!(checked.is_some() && checked < not, "{checked:?} {not:?}");
+    // Figures 1, 3 and 5 are diagrams of which only the text is known: ours are drawn.
+    for (item, picture) in [("1", "plots/time-step.svg"), ("3", "plots/time-step.svg"), ("5", "class=\"sketch\"")] {
+        let section = paper.split_once(&format!(">Figure {item}</h2>")).expect("a section").1;
+        let section = section.split_once("</section>").expect("its end").0;
+        assert!(section.contains(picture), "Figure {item}: {section}");
+    }
+}
+
+#[test]
 fn orders_are_those_of_the_errors() {
     let orders = orders::groups(&two_meshes());
     assert_eq!(orders.len(), 4);

@@ -6,15 +6,17 @@ use serde::Deserialize;
 
 use crate::claims::{Claim, Verdict};
 use crate::files::STAGE;
-use crate::page::site;
 use crate::page::table::{Cell, Table};
 use crate::page::verdict::Counts;
+use crate::page::{Block, Image, Section, site, sketch};
+use crate::report::plots::figure::Figure;
+use crate::report::study::{badge, page_of};
 
 const BOOK: &str = include_str!("../../../../reference-data/paper/items.toml");
 /// Stands in the book for the page of the levee.
 const LEVEE: &str = "(@levee)";
 
-/// A figure or table of the paper.
+/// A figure, table or passage of the paper.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Item {
     /// Which: `Figure 4b`.
@@ -27,12 +29,47 @@ pub struct Item {
     pub ours: String,
     /// How it differs, and why.
     pub differs: String,
+    /// The picture of the counterpart.
+    picture: Option<Picture>,
     /// Names of the claims on it.
     #[serde(default)]
     claims: Vec<String>,
-    /// The verdicts on them, with what was found.
+    /// What became of them.
     #[serde(skip)]
-    pub verdicts: Vec<(Verdict, String)>,
+    pub verdicts: Vec<Checked>,
+}
+
+/// A picture of this program beside an item.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Picture {
+    /// A figure of the study, by its name.
+    Figure(String),
+    /// A file of the levee's report.
+    Levee(String),
+    /// A sketch of a scene, by its name.
+    Sketch(String),
+}
+
+/// A claim of the paper that was checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checked {
+    id: String,
+    /// What the paper says.
+    pub said: String,
+    /// What was found here.
+    pub found: String,
+    /// The verdict.
+    pub verdict: Verdict,
+}
+
+/// A row of the claims of the levee.
+#[derive(Debug, Deserialize)]
+struct Row {
+    claim: String,
+    paper: String,
+    value: String,
+    verdict: String,
 }
 
 #[derive(Debug, Deserialize)]
@@ -40,37 +77,38 @@ struct Book {
     item: Vec<Item>,
 }
 
-/// A row of the claims of the levee.
-#[derive(Debug, Deserialize)]
-struct Row {
-    claim: String,
-    value: String,
-    verdict: String,
-}
-
-/// All items, with the verdicts of a study that is written into a folder, and of the levee if there is one beside it.
+/// All items: those with a claim that was checked first, those that are not compared last, each in the order of the paper; with the verdicts
+/// of a study that is written into a folder, and of the levee if there is one beside it.
 pub fn items(claims: &[Claim], folder: &Path) -> Vec<Item> {
-    let home = site::home(folder);
-    let levee = home.join("levee");
-    let mut known: Vec<(String, Verdict, String)> =
-        claims.iter().map(|c| (c.id.clone(), c.verdict, c.evidence.clone())).collect();
+    let levee = site::home(folder).join("levee");
+    let of_study =
+        |c: &Claim| Checked { id: c.id.clone(), said: c.said.clone(), found: c.evidence.clone(), verdict: c.verdict };
+    let mut known: Vec<Checked> = claims.iter().map(of_study).collect();
     if let Ok(mut reader) = csv::Reader::from_path(levee.join("claims.csv")) {
         let rows = reader.deserialize::<Row>().flatten();
-        known.extend(rows.filter_map(|row| Some((row.claim, Verdict::read(&row.verdict)?, row.value))));
+        known.extend(rows.filter_map(|row| {
+            let verdict = Verdict::read(&row.verdict)?;
+            Some(Checked { id: row.claim, said: row.paper, found: row.value, verdict })
+        }));
     }
-    let page = levee.join("index.html").is_file() && home.join("accuracy") == published(folder);
+    let has_page = levee.join("index.html").is_file() && levee.with_file_name("accuracy") == published(folder);
     let book: Book = toml::from_str(BOOK).unwrap_or(Book { item: Vec::new() });
     let filled = |mut item: Item| {
-        let found = |name: &String| known.iter().find(|(id, ..)| id == name).map(|(_, v, e)| (*v, e.clone()));
-        item.verdicts = item.claims.iter().filter_map(found).collect();
-        item.ours = if page {
+        item.verdicts = item.claims.iter().filter_map(|id| known.iter().find(|c| c.id == *id).cloned()).collect();
+        item.ours = if has_page {
             item.ours.replace(LEVEE, "(../levee/index.html)")
         } else {
             item.ours.replace(&format!("[The levee]{LEVEE}"), "`mpm-verify levee`")
         };
+        item.picture = item.picture.filter(|picture| match picture {
+            Picture::Levee(file) => has_page && levee.join(file).is_file(),
+            _ => true,
+        });
         item
     };
-    book.item.into_iter().map(filled).collect()
+    let mut items: Vec<Item> = book.item.into_iter().map(filled).collect();
+    items.sort_by_key(|item| item.verdicts.is_empty());
+    items
 }
 
 /// The folder that something written into a stage will stand in.
@@ -84,35 +122,65 @@ fn published(folder: &Path) -> PathBuf {
 
 /// Verdicts on all items, counted.
 pub fn counts(items: &[Item]) -> Counts {
-    Counts::of_claims(items.iter().flat_map(|item| item.verdicts.iter().map(|(verdict, _)| *verdict)))
+    Counts::of_claims(items.iter().flat_map(|item| item.verdicts.iter().map(|checked| checked.verdict)))
 }
 
-/// The table of all items.
+/// A row for every claim in words, and one for every item without.
 pub fn table(items: &[Item]) -> Table {
-    let row = |item: &Item| {
-        let (mut word, mut mark) = ("not compared", "");
-        if !item.verdicts.is_empty() {
-            let is = |one: Verdict| item.verdicts.iter().any(|(verdict, _)| *verdict == one);
-            let agrees = is(Verdict::Reproduced) || is(Verdict::ReproducedForAnotherReason);
-            (word, mark) = match (agrees, is(Verdict::NotReproduced)) {
-                (true, false) => ("agrees", "good"),
-                (false, true) => ("differs", "bad"),
-                (true, true) => ("agrees in part", "warn"),
-                (false, false) => ("not comparable", ""),
-            };
+    let mut rows = Vec::new();
+    for item in items {
+        let name = || Cell::new(item.item.clone()).linked(&format!("#{}", anchor(item)));
+        for claim in &item.verdicts {
+            rows.push(vec![
+                name(),
+                Cell::new(claim.said.clone()),
+                Cell::new(claim.found.clone()),
+                badge(claim.verdict),
+            ]);
         }
-        let found: Vec<String> =
-            item.verdicts.iter().map(|(verdict, found)| format!("{}: {found}", verdict.words())).collect();
-        vec![
-            Cell::new(item.item.clone()),
-            Cell::badge(word, mark),
-            Cell::new(item.shows.clone()).small(format!("Numbers: {}", item.numbers)),
-            Cell::prose(item.ours.clone()).small(found.join("\n")),
-            Cell::prose(item.differs.clone()),
-        ]
+        if item.verdicts.is_empty() {
+            rows.push(vec![name(), Cell::new(item.shows.clone()), Cell::prose(&item.ours), Cell::new("not compared")]);
+        }
+    }
+    let head = ["in the paper", "the paper says", "ours", "verdict"];
+    Table::new("The paper and ours", &head, rows, "").words()
+}
+
+fn anchor(item: &Item) -> String {
+    item.item.to_lowercase().replace([' ', ':', '.', '='], "-")
+}
+
+/// A section for every item: what the paper's text says of it, and ours.
+pub fn sections(items: &[Item], figures: &[Figure]) -> Vec<Section> {
+    let section = |item: &Item| {
+        let terms = [
+            ("The paper", &item.shows),
+            ("Numbers in print", &item.numbers),
+            ("Ours", &item.ours),
+            ("What differs", &item.differs),
+        ];
+        let terms = terms.map(|(name, text)| (name.to_owned(), text.to_owned())).to_vec();
+        let picture = item.picture.iter().filter_map(|picture| block(picture, item, figures));
+        picture.fold(Section::new(&anchor(item), &item.item).with(Block::Terms(terms)), Section::with)
     };
-    let head = ["in the paper", "verdict", "what it shows", "here", "what differs, and why"];
-    Table::new("Figures and tables of the paper", &head, items.iter().map(row).collect(), "").words()
+    items.iter().map(section).collect()
+}
+
+fn block(picture: &Picture, item: &Item, figures: &[Figure]) -> Option<Block> {
+    let image =
+        |src: String, alt: String, href: String| Block::Images(vec![Image { src, alt, caption: String::new(), href }]);
+    match picture {
+        Picture::Figure(name) => {
+            let figure = figures.iter().find(|figure| figure.name == name)?;
+            let href = format!("{}#fig-{name}", page_of(figure.name));
+            Some(image(format!("plots/{name}.svg"), figure.title.clone(), href))
+        }
+        Picture::Levee(file) => {
+            let alt = format!("The same in this program's run of the levee. {}", item.shows);
+            Some(image(format!("../levee/{file}"), alt, "../levee/index.html".to_owned()))
+        }
+        Picture::Sketch(name) => Some(Block::Html(sketch::svg(&crate::scenes::built_in(name).ok()?))),
+    }
 }
 
 #[cfg(test)]

@@ -92,7 +92,7 @@ pub fn other_claims(others: &[Judgement]) -> Vec<Table> {
         o.claims.get(place).map_or_else(|| Cell::new("–"), |claim| crate::report::study::badge(claim.verdict))
     };
     let row = |(place, claim): (usize, &crate::claims::Claim)| {
-        let mut row = vec![Cell::new(claim.id.clone())];
+        let mut row = vec![Cell::new(claim.said.clone())];
         row.extend(others.iter().map(|o| verdict(o, place)));
         row
     };

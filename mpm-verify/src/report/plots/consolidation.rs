@@ -58,9 +58,9 @@ pub fn figure(cases: &Cases) -> Figure {
     }
 }
 
-/// Both exact solutions: dense where the column is the built-in one, else through the sample times.
-fn references(whole: &mut Panel, gap: &mut Panel, case: &CaseResult) {
-    let rows: Vec<[f64; 3]> = match (Exact::of(case), case.degrees.first()) {
+/// Time factor and U of both exact solutions, Terzaghi's first: dense where the column is the built-in one, else at the sample times.
+pub(super) fn exact(case: &CaseResult) -> Vec<[f64; 3]> {
+    match (Exact::of(case), case.degrees.first()) {
         (Some(exact), Some(first)) => {
             let unit = first.time_s / first.tv;
             let times = (0..=160).map(|k| FIRST * (1.0 / FIRST).powf(f64::from(k) / 160.0));
@@ -71,7 +71,11 @@ fn references(whole: &mut Panel, gap: &mut Panel, case: &CaseResult) {
             times.map(at).collect()
         }
         _ => case.degrees.iter().map(|d| [d.tv, d.u_terzaghi, d.u_compressible]).collect(),
-    };
+    }
+}
+
+fn references(whole: &mut Panel, gap: &mut Panel, case: &CaseResult) {
+    let rows = exact(case);
     let (solid, dashed) = (Look::new(BLACK, Marker::Dot), Look::new(GREEN, Marker::Dot).dash(Dash::Dashed).width(2.2));
     let (terzaghi, compressible) = ("Terzaghi, incompressible water", "exact, finite K_w");
     whole.add(Series::line(terzaghi, solid, rows.iter().map(|r| (r[0], r[1]))));

@@ -45,10 +45,7 @@ fn over_mesh(name: &'static str, cases: &Cases, axis: Axis, error: impl Fn(&Case
                 Point::new(r.mesh_m, error.abs()).open(error > 0.0)
             });
             let label = if ppc == 1 { "1 particle per cell".to_owned() } else { format!("{ppc} particles per cell") };
-            // Lines that coincide are seen inside one another.
-            let inside = place.min(2) as f64;
-            let look = look::nth(place).radius(6.5 - 1.3 * inside).width(3.2 - inside);
-            panel.add(Series::new(label, look, Mark::LinePoints, points));
+            panel.add(Series::new(label, look_of(place), Mark::LinePoints, points));
         }
         if panel.is_empty() {
             missing.push(format!("{name}: no run with the {words}"));
@@ -60,6 +57,12 @@ fn over_mesh(name: &'static str, cases: &Cases, axis: Axis, error: impl Fn(&Case
         slopes(panel, &[(1, Dash::Dotted), (2, Dash::DashDot)]);
     }
     Figure { name, title: String::new(), caption: String::new(), height: 390.0, panels, missing }
+}
+
+/// The look of a number of particles per cell at a place in a row: lines that coincide are seen inside one another.
+pub(super) fn look_of(place: usize) -> Look {
+    let inside = place.min(2) as f64;
+    look::nth(place).radius(6.5 - 1.3 * inside).width(3.2 - inside)
 }
 
 /// Lines of some slopes from a little above the data on the coarsest mesh.

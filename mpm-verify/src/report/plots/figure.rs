@@ -45,6 +45,13 @@ pub struct Panel {
     pub blank: bool,
 }
 
+impl Figure {
+    /// Whether so many panels stand side by side that a narrow screen shows one after the other.
+    pub fn is_wide(&self) -> bool {
+        self.panels.iter().any(|panel| self.panels.iter().filter(|other| other.row == panel.row).count() > 2)
+    }
+}
+
 /// How points are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {

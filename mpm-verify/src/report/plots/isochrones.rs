@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{self, Dash};
-use crate::report::select::{Cases, Exact, LOADS, same_time, stands_in};
+use crate::report::select::{Cases, Exact, LOADS, Reference, same_time, stands_in};
 use crate::study::{CaseResult, Profile};
 
 /// Time factors shown.
@@ -44,36 +44,40 @@ pub fn figure(cases: &Cases) -> Figure {
 }
 
 fn fill(panel: &mut Panel, case: &CaseResult, missing: &mut Vec<String>) {
-    let exact = Exact::of(case);
-    let undrained = exact.map_or_else(|| largest_terzaghi(case), |e| e.terzaghi.load);
+    let load = load(case);
     for (place, tv) in TIMES.into_iter().enumerate() {
         let Some(profile) = case.profiles.iter().find(|p| same_time(p.tv, tv)) else {
             missing.push(format!("isochrones: no profile of {} at Tv = {tv}", case.case));
             continue;
         };
         let look = look::nth(place).radius(2.6).width(1.3);
-        let line =
-            Series::line(format!("Terzaghi, Tv = {tv}"), look.dash(Dash::Solid), exact_line(profile, case, exact));
-        panel.add(line.unlisted());
-        let every = profile.rows.len().div_ceil(MOST);
-        let rows = profile.rows.iter().step_by(every.max(1));
-        let points = rows.map(|r| Point::new(r.pressure_pa / undrained, r.height_m).open(true));
+        let line = exact(profile, case, Reference::Terzaghi);
+        panel.add(Series::line(format!("Terzaghi, Tv = {tv}"), look.dash(Dash::Solid), line).unlisted());
+        let points = computed(profile, load, MOST).map(|p| p.open(true));
         panel.add(Series::new(format!("Tv = {tv}"), look, Mark::Points, points));
     }
 }
 
-/// Terzaghi's profile: dense where the column is the built-in one, else through the computed heights.
-fn exact_line(profile: &Profile, case: &CaseResult, exact: Option<Exact>) -> Vec<(f64, f64)> {
-    let time = case.degrees.iter().find(|d| same_time(d.tv, profile.tv)).map(|d| d.time_s);
-    if let (Some(Exact { terzaghi, .. }), Some(time)) = (exact, time) {
-        let heights = (0..=100).map(|k| f64::from(k) / 100.0 * terzaghi.height);
-        return heights.map(|y| (terzaghi.pressure(y, time) / terzaghi.undrained, y)).collect();
-    }
-    let undrained = largest_terzaghi(case);
-    profile.rows.iter().map(|r| (r.terzaghi_pa / undrained, r.height_m)).collect()
+/// Pressure over the load at so many of the computed heights at most.
+pub(super) fn computed(profile: &Profile, load: f64, most: usize) -> impl Iterator<Item = Point> {
+    let every = profile.rows.len().div_ceil(most).max(1);
+    profile.rows.iter().step_by(every).map(move |r| Point::new(r.pressure_pa / load, r.height_m))
 }
 
-/// The largest pressure of Terzaghi's solution in all profiles, Pa: close to q.
-fn largest_terzaghi(case: &CaseResult) -> f64 {
-    case.profiles.iter().flat_map(|p| &p.rows).map(|r| r.terzaghi_pa).fold(f64::MIN_POSITIVE, f64::max)
+/// Profile of an exact solution, pressure over the load: dense where the column is the built-in one, else through the computed heights.
+pub(super) fn exact(profile: &Profile, case: &CaseResult, reference: Reference) -> Vec<(f64, f64)> {
+    let (load, of) = (load(case), |terzaghi, compressible| [terzaghi, compressible][reference as usize]);
+    let time = case.degrees.iter().find(|d| same_time(d.tv, profile.tv)).map(|d| d.time_s);
+    if let (Some(Exact { terzaghi, compressible }), Some(time)) = (Exact::of(case), time) {
+        let heights = (0..=100).map(|k| f64::from(k) / 100.0 * terzaghi.height);
+        return heights.map(|y| (of(terzaghi.pressure(y, time), compressible.pressure(y, time)) / load, y)).collect();
+    }
+    profile.rows.iter().map(|r| (of(r.terzaghi_pa, r.compressible_pa) / load, r.height_m)).collect()
+}
+
+/// The load, Pa; where it is not known the largest pressure of Terzaghi's solution in all profiles, which is close to it.
+pub(super) fn load(case: &CaseResult) -> f64 {
+    let largest =
+        || case.profiles.iter().flat_map(|p| &p.rows).map(|r| r.terzaghi_pa).fold(f64::MIN_POSITIVE, f64::max);
+    Exact::of(case).map_or_else(largest, |exact| exact.terzaghi.load)
 }

@@ -3,13 +3,14 @@
 //! # Reading order
 //! 1. [`figure`]: panels and series as data. [`axis`], [`look`]: their ranges, ticks, colours and markers.
 //! 2. [`draw`], [`legend`], [`canvas`]: from a figure to any backend.
-//! 3. The pictures: [`mesh`], [`isochrones`], [`consolidation`], [`error_against_time`], [`error_against_mesh`],
+//! 3. The pictures: [`at_a_glance`], [`time_step`], [`mesh`], [`isochrones`], [`consolidation`], [`error_against_time`], [`error_against_mesh`],
 //!    [`error_budget`], [`energy`], [`crossings`]; of all integrators [`schemes`], [`spline_profiles`], [`places`],
 //!    [`steps`]; of a case of the suite [`case`].
 //!    [`stability_map`]: largest stable steps, measured and in theory; [`stress_test`]: where schemes hold and break.
 //! 4. [`field`]: a map of particles coloured by a quantity, with lines over it; [`colours`] for it. [`levee`]: the
 //!    pictures of a levee that fails.
 
+pub mod at_a_glance;
 pub mod axis;
 pub mod canvas;
 pub mod case;
@@ -37,6 +38,7 @@ pub mod stability_map;
 pub mod steps;
 pub mod stress_test;
 mod tiles;
+pub mod time_step;
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -59,7 +61,8 @@ const PNG_SCALE: u32 = 2;
 const SMOOTH: u32 = 2;
 
 /// Names of all pictures, in the order of the page.
-pub const NAMES: [&str; 19] = [
+pub const NAMES: [&str; 21] = [
+    at_a_glance::NAME,
     "max-error-against-mesh-terzaghi",
     "max-error-against-mesh-compressible",
     "profile-error-against-mesh",
@@ -70,6 +73,7 @@ pub const NAMES: [&str; 19] = [
     "grid-shift",
     "error-against-steps",
     "error-against-factorisations",
+    time_step::NAME,
     "mesh",
     "isochrones",
     "consolidation",
@@ -86,6 +90,7 @@ pub fn figures(study: &Study) -> Vec<Figure> {
     ready();
     let cases = Cases::of(&study.results);
     vec![
+        at_a_glance::figure(&study.results),
         error_against_mesh::largest("max-error-against-mesh-terzaghi", &cases, Reference::Terzaghi),
         error_against_mesh::largest("max-error-against-mesh-compressible", &cases, Reference::Compressible),
         error_against_mesh::profile(&cases),
@@ -96,6 +101,7 @@ pub fn figures(study: &Study) -> Vec<Figure> {
         places::shifted(&study.sweeps),
         steps::steps(&study.sweeps),
         steps::factorisations(&study.sweeps),
+        time_step::figure(),
         mesh::figure(),
         isochrones::figure(&cases),
         consolidation::figure(&cases),
@@ -176,6 +182,8 @@ fn draw_on<DB: DrawingBackend>(figure: &Figure, backend: DB, scale: u32, letters
 
 /// Width and height of a picture in pixels, `scale` of them to one px.
 fn size(figure: &Figure, scale: u32) -> (u32, u32) {
+    // The legend breaks where its texts, measured in this font, end.
+    ready();
     (draw::WIDTH as u32 * scale, draw::height(figure).ceil() as u32 * scale)
 }
 
