@@ -115,7 +115,7 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Everything above, compared with the accepted baselines
+    #[command(about = nightly::about())]
     Nightly {
         #[command(flatten)]
         options: nightly::Options,

@@ -24,7 +24,9 @@ pub enum State {
     Failed,
     /// Nothing that is measured every night has moved.
     Unchanged,
-    /// Something has.
+    /// Something has, for the worse, or is gone.
+    Worse,
+    /// Something has, not for the worse.
     Moved,
     /// Claims of others, of which so many are reproduced. One that is not is no failure of this program.
     Claims {
@@ -46,7 +48,7 @@ impl State {
             Self::NotEstablished => "not established",
             Self::Failed => "failed",
             Self::Unchanged => "unchanged",
-            Self::Moved => "moved",
+            Self::Worse | Self::Moved => "moved",
             Self::Claims { reproduced, total } => return Cow::Owned(format!("{reproduced} of {total} reproduced")),
         })
     }
@@ -57,8 +59,8 @@ impl State {
             Self::Complete => "",
             Self::Passed | Self::Unchanged => "good",
             Self::Claims { reproduced: n @ 1.., total } if n == total => "good",
-            Self::Degraded | Self::NotEstablished | Self::Claims { .. } => "warn",
-            Self::Stopped | Self::Failed | Self::Moved => "bad",
+            Self::Degraded | Self::NotEstablished | Self::Moved | Self::Claims { .. } => "warn",
+            Self::Stopped | Self::Failed | Self::Worse => "bad",
         }
     }
 

@@ -72,7 +72,8 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 18] = [
     (
         "nightly",
         &[
-            ("mpm-verify nightly", "run everything and compare"),
+            ("mpm-verify nightly", "all parts; then see reports/nightly/index.html"),
+            ("mpm-verify nightly --only study,levee", "two of them, without recording them"),
             ("mpm-verify nightly --accept WHY --from reports/nightly/DATE", "renew the baselines"),
         ],
     ),

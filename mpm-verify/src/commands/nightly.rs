@@ -1,4 +1,4 @@
-//! `nightly`: everything is run, compared with the accepted baselines and recorded.
+//! `nightly`: its parts are run, compared with the accepted numbers and recorded.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -7,31 +7,38 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use cpu_time::ProcessTime;
 use mpm_verify::cases::suite;
 use mpm_verify::error::Error;
 use mpm_verify::experiment::accepted::{self, Accepted, Renewed};
 use mpm_verify::experiment::number::{Label, Number, Tolerance};
-use mpm_verify::files::Folder;
+use mpm_verify::files::{self, Folder};
 use mpm_verify::levee::limits;
 use mpm_verify::manifest::Manifest;
 use mpm_verify::nightly::compiled::counted;
 use mpm_verify::nightly::history::{self, ENTRY, History};
-use mpm_verify::nightly::report::{Night, Part, VALUES, stored};
-use mpm_verify::nightly::{collect, moved, nights, report, trends, work};
+use mpm_verify::nightly::part::{Finish, Measured, Part, SCENES};
+use mpm_verify::nightly::report::{Night, PartRow, Shown, VALUES, stored};
+use mpm_verify::nightly::{collect, instructions, moved, nights, report, thresholds, trends, work};
 use mpm_verify::progress::Progress;
 use mpm_verify::provenance;
+use mpm_verify::report::plots::error_against_mesh::over_accepted;
+use mpm_verify::report::plots::figure::Figure;
+use mpm_verify::report::select::Cases;
 use mpm_verify::study::Runner;
 use mpm_verify::unpanicked::unpanicked;
 
 use super::{Failure, check, levee, make_folder, metamorphic, stability, study, write_file};
 use crate::Common;
 
-/// The parts of a nightly run.
-const PARTS: [&str; 6] = ["study", "suite", "stability", "levee", "metamorphic", "work"];
-/// Number of random scenes, and their seed.
-const SCENES: u64 = 2000;
+/// Seed of the random scenes.
 const SEED: u64 = 1;
+
+/// What the command does, from the list of its parts.
+pub fn about() -> String {
+    format!("Compare with accepted numbers: {}", Part::list())
+}
 
 /// Options of a nightly run.
 #[derive(Debug, Clone, Args)]
@@ -48,18 +55,35 @@ pub struct Options {
     /// Folder of the baselines [default: reference-data/baselines]
     #[arg(long, value_name = "DIR", hide = true)]
     baselines: Option<PathBuf>,
-    /// Do not count instructions, even where callgrind is installed
+    /// File of all nights, to commit for example [default: history.csv in the folder of the results]
+    #[arg(long, value_name = "FILE")]
+    history: Option<PathBuf>,
+    /// Leave out the part instructions
     #[arg(long, hide = true)]
     no_instructions: bool,
     /// Also the schemes that are no default in the stress tests
     #[arg(long)]
     all: bool,
     /// Only these parts, without recording them
-    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = PARTS)]
-    only: Vec<String>,
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = parts())]
+    only: Vec<Part>,
 }
 
-/// Runs everything; or renews the baselines from an earlier run.
+/// The parts by their names.
+fn parts() -> impl clap::builder::TypedValueParser<Value = Part> {
+    PossibleValuesParser::new(Part::ALL.map(Part::name))
+        .try_map(|name| Part::named(&name).ok_or_else(|| format!("no part {name}")))
+}
+
+impl Options {
+    /// Whether a part is to be run.
+    fn wants(&self, part: Part) -> bool {
+        let asked = self.only.is_empty() || self.only.contains(&part);
+        asked && !(self.no_instructions && part == Part::Instructions)
+    }
+}
+
+/// Runs the parts; or renews the baselines from an earlier run.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let (known, file) = accepted::read(options.baselines.as_deref()).map_err(Failure::bad_input)?;
     accepted::hold_against(&known);
@@ -85,7 +109,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if let Some(target) = target {
         return accept(&known, (&measures, true, options.all), &night, target, common);
     }
-    if night.is_green() {
+    if night.is_unchanged() {
         return Ok(());
     }
     let mut lines = vec![night.headline()];
@@ -104,122 +128,90 @@ fn earlier(folder: &Path) -> Result<(Night, Vec<Number>), Failure> {
 
 /// Results of the parts so far.
 struct Findings<'a> {
-    common: &'a Common,
+    common: Common,
     folder: &'a Path,
-    only: &'a [String],
+    known: &'a [Accepted],
     all: bool,
     measures: Vec<Number>,
     fell: Vec<String>,
-    parts: Vec<Part>,
+    parts: Vec<PartRow>,
     notes: Vec<String>,
+    convergence: Option<Figure>,
 }
 
 impl Findings<'_> {
     /// Runs a part; an error in it is recorded and stops no other part.
-    fn part(&mut self, name: &str, work: impl FnOnce(&mut Self) -> Result<String, Failure>) {
-        if !self.only.is_empty() && !self.only.iter().any(|only| only == name) {
-            return;
-        }
+    fn run(&mut self, part: Part, loud: &Common) {
         let (cpu, wall) = (ProcessTime::now(), Instant::now());
-        self.common.say(&format!("{name} ..."));
-        let done = unpanicked(|| work(self)).map_err(Failure::run_failed).flatten();
-        let line = done.unwrap_or_else(|why| {
-            self.fell.push(format!("{name}: {why}"));
-            "could not be finished".to_owned()
-        });
+        let name = part.name();
+        loud.say(&format!("{name} ..."));
+        let done = unpanicked(|| self.measured(part)).map_err(Failure::run_failed).flatten();
+        let measured = done.as_ref().map_err(|why| self.fell.push(format!("{name}: {why}"))).ok();
+        let (finish, line) = measured.map_or_else(
+            || (Finish::Failed, "could not be finished".to_owned()),
+            |found| (found.finish(), found.line()),
+        );
+        self.fell.extend(measured.into_iter().flat_map(|found| found.failures(part)));
         let (cpu_s, wall_s) = (cpu.elapsed().as_secs_f64(), wall.elapsed().as_secs_f64());
-        self.common.say(&format!("{name}: {line}, {wall_s:.0} s"));
-        self.parts.push(Part { name: name.to_owned(), line, cpu_s, wall_s });
+        loud.say(&format!("{name}: {line}, {wall_s:.0} s"));
+        self.parts.push(PartRow { name: part, finish, line, cpu_s, wall_s });
+        if let Ok(Measured { numbers, notes, .. }) = done {
+            self.measures.extend(numbers);
+            self.notes.extend(notes);
+        }
     }
 
-    fn study(&mut self) -> Result<String, Failure> {
+    fn measured(&mut self, part: Part) -> Result<Measured, Failure> {
+        match part {
+            Part::Study => self.study(),
+            Part::Suite => self.suite(),
+            Part::Stability => self.stability(),
+            Part::Levee => self.levee(),
+            Part::Metamorphic => self.metamorphic(),
+            Part::Work => Ok(work::counts()),
+            Part::Instructions => Ok(instructions::counts(&std::env::current_exe().map_err(Failure::run_failed)?)),
+        }
+    }
+
+    fn study(&mut self) -> Result<Measured, Failure> {
         let progress = Progress::new("accuracy study", true);
         let mut runner = Runner::whole(self.common.jobs(), &progress);
-        let study = study::complete(&study::Options::paper(), self.common, &mut runner, &String::new)?;
+        let study = study::complete(&study::Options::paper(), &self.common, &mut runner, &String::new)?;
         let folder = self.folder.join("accuracy");
         make_folder(&folder)?;
         mpm_verify::report::write(&study, &folder).map_err(Failure::run_failed)?;
-        self.measures.extend(collect::study(&study.results, &study.sweeps));
-        let (limits, fallen) = study.sweeps.limits();
-        let failed: Vec<&str> = study.results.iter().filter(|r| r.failure.is_some()).map(|r| r.case.as_str()).collect();
-        self.fell.extend(failed.iter().map(|case| format!("study: {case} failed")));
-        if fallen > 0 {
-            self.fell.push(format!("study: {fallen} of {limits} limits of the sweeps failed"));
-        }
-        Ok(format!(
-            "{} cases, {} failed; {fallen} of {limits} limits of the sweeps failed",
-            study.results.len(),
-            failed.len()
-        ))
+        let accepted = |case: &str| self.known.iter().find(|row| row.case == case && row.quantity == collect::ERROR);
+        self.convergence = Some(over_accepted(&Cases::of(&study.results), |r| accepted(&r.case).map(|row| row.value)));
+        Ok(collect::study(&study.results, &study.sweeps))
     }
 
-    fn suite(&mut self) -> Result<String, Failure> {
-        let common = Common { quiet: true, ..self.common.clone() };
-        let folder = self.folder.join("suite");
-        let ran = check::judged(&suite().iter().collect::<Vec<_>>(), &common, &folder)?;
-        self.fell.extend(ran.failed.iter().map(|message| format!("suite: {message}")));
-        let fallen: Vec<String> =
-            ran.rows.iter().filter(|s| !s.passed()).map(|s| format!("suite: {}: {}", s.case, s.reason)).collect();
-        let all = ran.rows.len() + ran.failed.len();
-        let line = format!("{} of {all} cases passed", ran.rows.len() - fallen.len());
-        self.fell.extend(fallen);
-        self.measures.extend(accepted::numbers(&ran.rows));
-        Ok(line)
+    fn suite(&mut self) -> Result<Measured, Failure> {
+        let ran = check::judged(&suite().iter().collect::<Vec<_>>(), &self.common, &self.folder.join("suite"))?;
+        Ok(collect::suite(&ran.rows, &ran.failed))
     }
 
-    fn stability(&mut self) -> Result<String, Failure> {
-        let common = Common { quiet: true, ..self.common.clone() };
+    fn stability(&mut self) -> Result<Measured, Failure> {
         let options = stability::Options::of_a_night(self.all);
-        let found = stability::measure(&options, &common, &self.folder.join("stability"))?;
-        if let Err(failure) = stability::verdict(&found) {
-            self.fell.push(failure.to_string());
-        }
-        self.measures.extend(collect::stability(found.matrix(), found.summaries()));
-        Ok(format!(
-            "{} schemes in stress tests, {} groups of time-step limits",
-            found.matrix().len(),
-            found.summaries().len()
-        ))
+        let found = stability::measure(&options, &self.common, &self.folder.join("stability"))?;
+        let failed = stability::verdict(&found).err().map(|failure| failure.to_string());
+        Ok(collect::stability(found.matrix(), found.summaries()).failed(failed))
     }
 
-    fn levee(&mut self) -> Result<String, Failure> {
+    fn levee(&mut self) -> Result<Measured, Failure> {
         let summary = levee::night(&self.folder.join("levee"))?;
-        let kept = limits::of(&summary);
-        let fallen: Vec<String> = kept.iter().filter(|l| !l.passed()).map(|l| format!("levee: {}", l.said())).collect();
-        let line = format!(
-            "{} of {} limits passed, failure at {:.3} h",
-            kept.len() - fallen.len(),
-            kept.len(),
-            summary.failure_start_h.unwrap_or(f64::NAN)
-        );
-        self.fell.extend(fallen);
-        if let Some(how) = limits::unfinished(&summary.ended, summary.trouble.as_deref()) {
-            self.fell.push(format!("levee: {how}"));
-        }
-        self.measures.extend(collect::levee(&summary));
-        Ok(line)
+        let mut found = collect::levee(&limits::of(&summary), collect::of_levee(&summary));
+        found.remark = format!("failure at {:.3} h", summary.failure_start_h.unwrap_or(f64::NAN));
+        found.failed.extend(limits::unfinished(&summary.ended, summary.trouble.as_deref()));
+        Ok(found)
     }
 
     /// The same scenes in every run, so that only a change of the program can make it fail.
-    fn metamorphic(&mut self) -> Result<String, Failure> {
-        let common = Common { quiet: true, json: false, ..self.common.clone() };
+    fn metamorphic(&mut self) -> Result<Measured, Failure> {
         let indices: Vec<u64> = (0..SCENES).collect();
-        let found = metamorphic::measure((SEED, &indices, None), &common, &self.folder.join("metamorphic"))?;
-        let failures =
-            found.failures.iter().map(|f| format!("metamorphic: {} of seed {SEED}: {}", f.name(), f.found[1]));
-        self.fell.extend(failures);
-        Ok(format!("{} scenes of seed {SEED}, {} relations failed", found.scenes, found.failures.len()))
-    }
-
-    fn work(&mut self, instructions: bool) -> Result<String, Failure> {
-        let program = std::env::current_exe().ok().filter(|_| instructions);
-        let work::Counted { measures, notes, fell } = work::counts(program.as_deref());
-        let all = work::GATES.len();
-        let line = format!("{} counts of {} of {all} gates", measures.len(), all - fell.len());
-        self.measures.extend(measures);
-        self.notes.extend(notes);
-        self.fell.extend(fell.iter().map(|what| format!("work: {what}")));
-        Ok(line)
+        let found = metamorphic::measure((SEED, &indices, None), &self.common, &self.folder.join("metamorphic"))?;
+        let relations = found.laws().iter().map(|law| law.passed + law.failed).sum();
+        let failed = found.failures.iter().map(|f| format!("{} of seed {SEED}: {}", f.name(), f.found[1])).collect();
+        Ok(collect::metamorphic(found.scenes, relations, failed))
     }
 }
 
@@ -237,33 +229,36 @@ fn whole(
     let name = name.into_iter().find(|name| !folder.path().join(name).exists()).unwrap_or(day);
     let own = folder.stage().join(&name);
     make_folder(&own)?;
-    let history_path = folder.path().join(history::NAME);
+    let history_path = options.history.clone().unwrap_or_else(|| folder.path().join(history::NAME));
     let mut history = History::read(&history_path).map_err(Failure::bad_input)?;
     let mut found = Findings {
-        common,
+        common: Common { quiet: true, json: false, ..common.clone() },
         folder: &own,
-        only: &options.only,
+        known,
         all: options.all,
         measures: Vec::new(),
         fell: Vec::new(),
         parts: Vec::new(),
         notes: Vec::new(),
+        convergence: None,
     };
-    found.part("study", Findings::study);
-    found.part("suite", Findings::suite);
-    found.part("stability", Findings::stability);
-    found.part("levee", Findings::levee);
-    found.part("metamorphic", Findings::metamorphic);
-    found.part("work", |found| found.work(!options.no_instructions));
-    let Findings { mut measures, fell, parts, mut notes, .. } = found;
+    for part in Part::ALL.into_iter().filter(|part| options.wants(*part)) {
+        found.run(part, common);
+    }
+    let Findings { mut measures, mut fell, parts, mut notes, convergence, .. } = found;
+    if parts.iter().all(|part| part.finish == Finish::NotRun) {
+        fell.push("no part could be run".to_owned());
+    }
     let entry = format!("{} {}", manifest.date, manifest.commit);
-    let known = comparable(known, &measures, options, &mut notes);
+    let mut known = comparable(known, &measures, options, &mut notes);
+    known.extend(thresholds::baselines(&known, &measures, &history));
     let moved = moved::moved(&known, &measures, &history, &entry);
     if file.is_none() {
         notes.push("The accepted numbers are those built into the program.".to_owned());
     }
     let is_known = |m: &Number| known.iter().any(|row| m.is_of(&row.case, &row.quantity));
-    let judged = measures.iter().filter(|m| m.label != Label::Time && (counted(&m.quantity).is_none() || is_known(m)));
+    let compared = |m: &&Number| is_known(m) || (m.label != Label::Time && counted(&m.quantity).is_none());
+    let judged = measures.iter().filter(compared);
     let mut night = Night {
         verdict: String::new(),
         compared: judged.clone().count(),
@@ -279,16 +274,23 @@ fn whole(
         notes,
         manifest,
     };
-    (if night.is_green() { "passed" } else { "failed" }).clone_into(&mut night.verdict);
-    report::write(&night, &measures, options.only.is_empty(), &own).map_err(Failure::run_failed)?;
-    if options.only.is_empty() {
+    night.verdict = night.state().word().into_owned();
+    let recorded = options.only.is_empty();
+    if recorded {
         let off = night.moved.len() as f64;
         measures.push(Number::new(ENTRY.0, ENTRY.1, Label::Count, off, Tolerance::relative(0.0)));
         history.note(&entry, &measures);
         measures.pop();
+    }
+    let shown =
+        Shown { measures: &measures, known: &known, history: &history, convergence: convergence.as_ref(), recorded };
+    report::write(&night, &shown, &own).map_err(Failure::run_failed)?;
+    if recorded {
         let text = history.text(&history_path).map_err(Failure::run_failed)?;
-        let path = folder.stage().join(history::NAME);
-        write_file(&path, text)?;
+        match &options.history {
+            Some(path) => files::write(path, &text).map_err(Failure::unwritable(path))?,
+            None => write_file(&folder.stage().join(history::NAME), text)?,
+        }
         let pages = folder.stage().join("trends");
         make_folder(&pages)?;
         trends::write(&history, &pages).map_err(Failure::run_failed)?;
@@ -313,7 +315,8 @@ fn comparable(known: &[Accepted], measures: &[Number], options: &Options, notes:
         *not_accepted.entry(&measure.quantity).or_default() += 1;
     }
     for (quantity, count) in not_accepted {
-        notes.push(format!("{count} {quantity} are not compared: none is accepted for this compiler."));
+        notes
+            .push(format!("{count} {quantity} are not compared with accepted ones: there are none for this compiler."));
     }
     for (quantity, count) in left_out {
         notes.push(format!("{count} accepted {quantity} are not compared: they were not counted in this run."));
@@ -343,7 +346,7 @@ fn accept(
     common: &Common,
 ) -> Result<(), Failure> {
     // A missing number is obsolete only if all parts were finished and could have measured it.
-    let whole = whole && night.parts.len() == PARTS.len() && night.fell.is_empty();
+    let whole = whole && night.parts.len() == Part::ALL.len() && night.fell.is_empty();
     let goes = |row: &Accepted| whole && counted(&row.quantity).is_none() && (all || !is_of_all(row));
     let Renewed { rows, new, gone } = accepted::renewed(known, measures, (&night.date, &night.commit), why, goes);
     accepted::write(&rows, file).map_err(Failure::run_failed)?;

@@ -218,7 +218,7 @@ pub fn renewed(
     let (mut new, mut next) = (0, rows.len());
     for m in measures() {
         let place = rows.iter().position(|row| m.is_of(&row.case, &row.quantity));
-        let Number { case, quantity, label, value, tolerance: Tolerance { relative, absolute } } = m.clone();
+        let Number { case, quantity, label, value, tolerance: Tolerance { relative, absolute }, .. } = m.clone();
         let stays = |row: &Accepted| {
             let commit = row.since.split_whitespace().last().unwrap_or_default();
             row.tolerance().holds(row.value, value) && row.label == label && require_clean("", commit).is_ok()

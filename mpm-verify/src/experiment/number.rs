@@ -12,7 +12,7 @@ pub enum Label {
     Regression,
     /// A count of work, or a cost made of counts.
     Count,
-    /// A time beside that of the calibration kernel: shown, never judged.
+    /// A time beside that of the calibration kernel: compared with earlier nights, never accepted.
     Time,
 }
 
@@ -40,14 +40,55 @@ impl Better {
         }
     }
 
-    /// A change in words.
-    pub fn word(self, was: f64, is: f64) -> &'static str {
+    /// What a change from one value to another is.
+    pub fn direction(self, was: f64, is: f64) -> Direction {
         match (self, is > was) {
-            _ if is.is_nan() || was.is_nan() => "gone",
-            (Self::Neither, true) => "up",
-            (Self::Neither, false) => "down",
-            (Self::Lower, true) | (Self::Higher, false) => "worse",
-            (Self::Lower, false) | (Self::Higher, true) => "better",
+            _ if is.is_nan() || was.is_nan() => Direction::Gone,
+            (Self::Neither, true) => Direction::Up,
+            (Self::Neither, false) => Direction::Down,
+            (Self::Lower, true) | (Self::Higher, false) => Direction::Worse,
+            (Self::Lower, false) | (Self::Higher, true) => Direction::Better,
+        }
+    }
+}
+
+/// What became of a number that moved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Direction {
+    /// A larger error or cost, or a smaller order.
+    Worse,
+    /// A smaller error or cost, or a larger order.
+    Better,
+    /// Larger, where neither is better.
+    Up,
+    /// Smaller, where neither is better.
+    Down,
+    /// Accepted, but not measured.
+    Gone,
+    /// Measured, but never accepted.
+    New,
+}
+
+impl Direction {
+    /// In a word.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Worse => "worse",
+            Self::Better => "better",
+            Self::Up => "up",
+            Self::Down => "down",
+            Self::Gone => "gone",
+            Self::New => "new",
+        }
+    }
+
+    /// Class of its cell in a table.
+    pub const fn mark(self) -> &'static str {
+        match self {
+            Self::Worse | Self::Gone => "bad",
+            Self::Better => "good",
+            Self::Up | Self::Down | Self::New => "",
         }
     }
 }
@@ -80,7 +121,7 @@ impl Tolerance {
 /// A number of the night.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Number {
-    /// Of what: a case, a case, a scheme in a stress test, a gate of the work.
+    /// Of what: a case, a scheme in a stress test, a gate of the work.
     pub case: String,
     /// Which number of it.
     pub quantity: String,
@@ -92,12 +133,20 @@ pub struct Number {
     /// How far it may move.
     #[serde(flatten)]
     pub tolerance: Tolerance,
+    /// Page of its case in the folder of a nightly run, with an anchor where the page has one; empty for none.
+    #[serde(skip)]
+    pub page: String,
 }
 
 impl Number {
     /// A number.
     pub fn new(case: &str, quantity: &str, label: Label, value: f64, tolerance: Tolerance) -> Self {
-        Self { case: case.to_owned(), quantity: quantity.to_owned(), label, value, tolerance }
+        Self { case: case.to_owned(), quantity: quantity.to_owned(), label, value, tolerance, page: String::new() }
+    }
+
+    /// With the page of its case.
+    pub fn at(self, page: impl Into<String>) -> Self {
+        Self { page: page.into(), ..self }
     }
 
     /// Whether it is of the same thing as another.
@@ -123,7 +172,7 @@ mod tests {
 
     #[test]
     fn directions_are_those_of_the_quantity() {
-        let of = |quantity: &str, was: f64, is: f64| Better::of(quantity).word(was, is);
+        let of = |quantity: &str, was: f64, is: f64| Better::of(quantity).direction(was, is).word();
         assert_eq!(of("max_error_terzaghi", 1.0, 2.0), "worse");
         assert_eq!((of("error", 2.0, 1.0), of("order", 2.0, 1.0)), ("better", "worse"));
         assert_eq!((of("failure_h", 1.0, 2.0), of("crest_m", 2.0, 1.0)), ("up", "down"));

@@ -128,6 +128,13 @@ impl History {
         self.steps(case, quantity).last().map(|(_, value)| *value)
     }
 
+    /// Values of a number at the last entries, at most so many, from the first that has it.
+    pub fn values(&self, case: &str, quantity: &str, most: usize) -> Vec<f64> {
+        let steps = self.steps(case, quantity);
+        let at = |entry: usize| steps.iter().rev().find(|(from, _)| *from <= entry).map(|(_, value)| *value);
+        (self.entries.len().saturating_sub(most)..self.entries.len()).filter_map(at).collect()
+    }
+
     /// Entries at which a number changed, with its values.
     pub fn steps(&self, case: &str, quantity: &str) -> &[(usize, f64)] {
         let key = (case.to_owned(), quantity.to_owned());
@@ -181,6 +188,9 @@ mod tests {
         let steps: Vec<usize> = history.steps("a", "error").iter().map(|(entry, _)| *entry).collect();
         assert_eq!(steps, [0, 2, 3, 4]);
         assert_eq!((history.last("b", "error"), history.entries.len()), (Some(7.0), 5));
+        assert_eq!((history.values("b", "error", 3), history.values("c", "error", 3)), (vec![7.0; 3], vec![]));
+        let values = format!("{:?}", history.values("a", "error", 9));
+        assert_eq!(values, "[1.0, 1.0, 2.0, NaN, 2.0]");
         let since = |good: f64| history.off_since("a", "error", &|value| value == good);
         assert_eq!(since(1.0).as_deref(), Some("2026-01-03 c2"));
         assert_eq!(since(2.0), None);

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use super::compiled::{self, COMPILED, INSTRUCTIONS};
+use super::part::Measured;
+use super::work;
 use crate::error::Error::{self, Unfit};
 use crate::experiment::number::{Label, Number, Tolerance};
 
@@ -14,30 +16,49 @@ const TOLERANCE: Tolerance = Tolerance::relative(0.01);
 
 /// Counts the instructions of gates.
 #[derive(Debug)]
-pub struct Counter {
+struct Counter {
     program: PathBuf,
     folder: PathBuf,
     /// What counted, and the compiler of what was counted: counts of others are not comparable.
-    pub with: String,
+    with: String,
     /// Instructions of a run of nothing.
     nothing: u64,
 }
 
-/// A counter of the gates of a program.
-///
-/// # Errors
-/// Why there is none.
-pub fn counter(program: &Path) -> Result<Counter, Error> {
+/// Counts the instructions of every gate of a program.
+pub fn counts(program: &Path) -> Measured {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-        return Err(Unfit("only Linux on x86-64 has baselines"));
+        return lacking("only Linux on x86-64 has baselines");
     }
-    let version = Command::new("valgrind").arg("--version").output().map_err(Error::at("valgrind"))?;
-    let version = String::from_utf8_lossy(&version.stdout).trim().to_owned();
-    let with = format!("{version}, {COMPILED}");
-    let folder = std::env::temp_dir();
-    let mut counter = Counter { program: program.to_owned(), folder, with, nothing: 0 };
-    counter.nothing = counter.count(NOTHING)?.ok_or(Unfit("valgrind does not know all instructions of the program"))?;
-    Ok(counter)
+    let version = match Command::new("valgrind").arg("--version").output() {
+        Ok(version) => String::from_utf8_lossy(&version.stdout).trim().to_owned(),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return lacking("valgrind is not installed"),
+        Err(e) => return found(Vec::new(), vec![format!("valgrind: {e}")], ""),
+    };
+    match Counter::new(program, &version) {
+        Ok(counter) => {
+            let (counted, failed) = work::each(|gate| Ok((gate.name, counter.measure(gate.name)?)));
+            found(counted, failed, &counter.with)
+        }
+        Err(why) => found(Vec::new(), vec![why.to_string()], ""),
+    }
+}
+
+fn lacking(why: &str) -> Measured {
+    Measured { lacks: Some(why.to_owned()), ..Measured::default() }
+}
+
+/// The instructions of the gates that were run, none of a gate that has one unknown to valgrind; what failed; what counted.
+pub fn found(counted: Vec<(&str, Option<Number>)>, failed: Vec<String>, with: &str) -> Measured {
+    let unknown = counted.iter().filter(|(_, number)| number.is_none());
+    let mut notes: Vec<String> = unknown
+        .map(|(gate, _)| format!("Instructions of {gate} were not counted: valgrind does not know all."))
+        .collect();
+    if !counted.is_empty() {
+        notes.push(format!("Instructions: {with}, without those of a run of nothing."));
+    }
+    let numbers = counted.into_iter().filter_map(|(_, number)| number).collect();
+    Measured { notes, ..Measured::of([]).with(numbers).failed(failed) }
 }
 
 /// What valgrind says of an instruction that it does not know: compilers may write one that it has in another form only.
@@ -47,15 +68,28 @@ const UNKNOWN: &str = "Illegal opcode";
 pub const NOTHING: &str = "nothing";
 
 impl Counter {
+    /// A counter of the gates of a program.
+    ///
+    /// # Errors
+    /// A run of nothing that cannot be counted.
+    fn new(program: &Path, version: &str) -> Result<Self, Error> {
+        let with = format!("{version}, {COMPILED}");
+        let mut counter = Self { program: program.to_owned(), folder: std::env::temp_dir(), with, nothing: 0 };
+        counter.nothing =
+            counter.count(NOTHING)?.ok_or(Unfit("valgrind does not know all instructions of the program"))?;
+        Ok(counter)
+    }
+
     /// The instructions of a gate; none if it has one that valgrind does not know. The name of the quantity says what they are of, so
     /// that others are another number.
     ///
     /// # Errors
     /// The gate cannot be run.
-    pub fn measure(&self, gate: &str) -> Result<Option<Number>, Error> {
+    fn measure(&self, gate: &str) -> Result<Option<Number>, Error> {
         let quantity = compiled::quantity(INSTRUCTIONS, &self.with);
         Ok(self.count(gate)?.map(|count| {
-            Number::new(gate, &quantity, Label::Count, count.saturating_sub(self.nothing) as f64, TOLERANCE)
+            let count = count.saturating_sub(self.nothing) as f64;
+            Number::new(gate, &quantity, Label::Count, count, TOLERANCE).at(format!("#{gate}"))
         }))
     }
 

@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::compiled::counted;
 use super::history::History;
+use super::thresholds::compared;
 use crate::experiment::accepted::Accepted;
-use crate::experiment::number::{Better, Label, Number, Tolerance};
+use crate::experiment::number::{Better, Direction, Label, Number, Tolerance};
 
 /// A number that has moved further than it may, or is gone, or is new.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,23 +25,28 @@ pub struct Moved {
     pub since: String,
     /// What it is held against.
     pub label: Label,
-    /// `worse`, `better`, `up`, `down`, `gone` or `new`.
-    pub direction: String,
+    /// What became of it.
+    pub direction: Direction,
+    /// Page of its case, relative to the page of the night; empty for none.
+    #[serde(default)]
+    pub page: String,
 }
 
 impl Moved {
+    /// Change as a share of what was accepted.
+    pub fn share(&self) -> Option<f64> {
+        self.was.zip(self.is).filter(|(was, _)| *was != 0.0).map(|(was, is)| (is - was) / was.abs())
+    }
+
     /// In one line.
     pub fn line(&self) -> String {
         let number = |value: Option<f64>| value.map_or_else(|| "nothing".to_owned(), |v| format!("{v:.6e}"));
-        let share = match (self.was, self.is) {
-            (Some(was), Some(is)) if was != 0.0 => format!(", {:+.3} %", 100.0 * (is / was - 1.0)),
-            _ => String::new(),
-        };
+        let share = self.share().map_or_else(String::new, |share| format!(", {:+.3} %", 100.0 * share));
         format!(
             "{} {} {}: was {}, is {}{share} (may move by {:.1e}), since {}",
             self.case,
             self.quantity,
-            self.direction,
+            self.direction.word(),
             number(self.was),
             number(self.is),
             self.tolerance,
@@ -49,15 +55,14 @@ impl Moved {
     }
 }
 
-/// Numbers of a night that are not where they were. `now` is the entry of this night.
+/// Numbers of a night that are not where they were, the largest change first. `now` is the entry of this night.
 pub fn moved(accepted: &[Accepted], measures: &[Number], history: &History, now: &str) -> Vec<Moved> {
     let number = |value: f64| Some(value).filter(|v| !v.is_nan());
-    let judged = measures.iter().filter(|m| m.label != Label::Time);
-    let off = judged.filter_map(|m| {
+    let off = measures.iter().filter_map(|m| {
         let row = accepted.iter().find(|row| m.is_of(&row.case, &row.quantity));
         let Some(row) = row else {
-            // What this compiler makes of the program was never accepted: there is nothing to hold it to.
-            if counted(&m.quantity).is_some() {
+            // Neither accepted nor long enough in the history: there is nothing to hold it to.
+            if m.label == Label::Time || counted(&m.quantity).is_some() {
                 return None;
             }
             return Some(Moved {
@@ -68,13 +73,20 @@ pub fn moved(accepted: &[Accepted], measures: &[Number], history: &History, now:
                 tolerance: 0.0,
                 since: now.to_owned(),
                 label: m.label,
-                direction: "new".to_owned(),
+                direction: Direction::New,
+                page: m.page.clone(),
             });
         };
-        (!row.tolerance().holds(row.value, m.value)).then(|| of(row, m.value, history, now))
+        let value = compared(m, history);
+        let faster = m.label == Label::Time && value < row.value;
+        let holds = faster || row.tolerance().holds(row.value, value);
+        (!holds).then(|| Moved { page: m.page.clone(), ..of(row, value, history, now) })
     });
     let gone = accepted.iter().filter(|row| !measures.iter().any(|m| m.is_of(&row.case, &row.quantity)));
-    off.chain(gone.map(|row| of(row, f64::NAN, history, now))).collect()
+    let mut all: Vec<Moved> = off.chain(gone.map(|row| of(row, f64::NAN, history, now))).collect();
+    let size = |moved: &Moved| moved.share().map_or(f64::INFINITY, f64::abs);
+    all.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    all
 }
 
 fn of(row: &Accepted, is: f64, history: &History, now: &str) -> Moved {
@@ -88,7 +100,8 @@ fn of(row: &Accepted, is: f64, history: &History, now: &str) -> Moved {
         tolerance: (relative * row.value.abs()).max(absolute),
         since: since.unwrap_or_else(|| now.to_owned()),
         label: row.label,
-        direction: Better::of(&row.quantity).word(row.value, is).to_owned(),
+        direction: Better::of(&row.quantity).direction(row.value, is),
+        page: String::new(),
     }
 }
 
@@ -133,16 +146,16 @@ mod tests {
         }
         let told = moved(&accepted, &night, &history, "d4 c4");
         let short: Vec<(&str, &str, &str)> =
-            told.iter().map(|m| (m.case.as_str(), m.direction.as_str(), m.since.as_str())).collect();
+            told.iter().map(|m| (m.case.as_str(), m.direction.word(), m.since.as_str())).collect();
         let expected = [
-            ("worse", "worse", "d2 c2"),
-            ("better", "better", "d4 c4"),
             ("new", "new", "d4 c4"),
             ("broken", "gone", "d4 c4"),
             ("gone", "gone", "d4 c4"),
+            ("worse", "worse", "d2 c2"),
+            ("better", "better", "d4 c4"),
         ];
         assert_eq!(short, expected);
-        let line = told[0].line();
+        let line = told[3].line();
         assert!(line.contains("worse error worse: was 1.0") && line.contains("+10.000 %"), "{line}");
     }
 }

@@ -4,13 +4,15 @@ use std::fs;
 use std::path::Path;
 
 use super::report::Night;
+use super::{history, trends};
 use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
 use crate::page::verdict::{Counts, State, Tally, Verdict};
 use crate::page::{Link, Page, Section};
 use crate::report::ReportError;
 
-/// Writes `index.html` with the nightly runs in a folder, and the one that is about to appear there under a name.
+/// Writes `index.html` with the nightly runs in a folder, and the one that is about to appear there under a name; the history is linked
+/// if it is in the folder.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -37,14 +39,22 @@ pub fn write(known: &Path, (name, night): (&str, &Night), folder: &Path) -> Resu
         ]
     };
     let head = ["run", "verdict", "commit", "moved numbers", "failed checks", "compared", "CPU (s)", "clock (s)"];
+    let own_history = folder.join(history::NAME).exists();
     let table = Table::new("All nightly runs", &head, nights.iter().map(row).collect(), "");
-    let failed = nights.iter().filter(|(_, night)| !night.is_green()).count();
-    let counts = Counts::Nights { unchanged: nights.len() - failed, moved: failed };
+    let count = |states: &[State]| nights.iter().filter(|(_, night)| states.contains(&night.state())).count();
+    let counts = Counts::Nights {
+        unchanged: count(&[State::Unchanged]),
+        moved: count(&[State::Moved]),
+        worse: count(&[State::Worse, State::Failed]),
+        in_part: count(&[State::NotEstablished]),
+    };
     let latest = nights.first().map(|(_, night)| night);
     let verdict = latest.map_or_else(
         || Verdict::new(State::NotEstablished, "No nightly run yet."),
         |night| Verdict::new(night.state(), format!("The latest run: {}.", night.found())),
     );
+    let section = Section::new("runs", "Runs").tables([table]);
+    let section = if own_history { section.files([history::NAME]) } else { section };
     let report = Report {
         date: latest.map_or_else(String::new, |night| night.date.clone()),
         commit: latest.map_or_else(String::new, |night| night.commit.clone()),
@@ -52,12 +62,8 @@ pub fn write(known: &Path, (name, night): (&str, &Night), folder: &Path) -> Resu
     };
     Page::new("Nightly runs")
         .verdict(verdict)
-        .section(Section::new("runs", "Runs").tables([table]).files(["history.csv"]))
-        .beside(vec![
-            Link::new("Errors over time", "trends/errors.html"),
-            Link::new("Orders over time", "trends/orders.html"),
-            Link::new("Cost over time", "trends/cost.html"),
-        ])
+        .section(section)
+        .beside(trends::links().map(|Link { text, href }| Link::new(text, href.trim_start_matches("../"))).into())
         .report(report)
         .write(&folder.join("index.html"))
 }

@@ -1,36 +1,49 @@
 //! The tables on the page of a night.
 
+use std::path::Path;
+
 use super::collect::{SPEED, WANTED, cost_for};
 use super::compiled;
 use super::moved::Moved;
-use super::report::{LISTED, Night, Part};
-use super::work::GATES;
-use crate::experiment::number::Number;
+use super::report::{LISTED, Night, PartRow, Shown};
+use super::thresholds::{FalseAlarms, LEAST};
+use super::work::{GATES, TIME};
+use crate::experiment::number::{Better, Number};
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::short;
 
-/// What moved, the first of it.
-pub fn moved(night: &Night) -> Table {
+/// Numbers that moved, the first of them, each with a link to its case.
+pub fn moved(moved: &[&Moved], folder: &Path) -> Table {
     let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown);
-    let row = |m: &Moved| {
+    let row = |m: &&Moved| {
         let (date, commit) = m.since.split_once(' ').unwrap_or((&m.since, ""));
-        let mark = match m.direction.as_str() {
-            "worse" | "gone" => "bad",
-            "better" => "good",
-            _ => "",
-        };
         vec![
-            Cell::new(m.case.clone()),
+            Cell::new(m.case.clone()).linked(&existing(&m.page, folder)),
             Cell::new(m.quantity.clone()),
-            Cell::new(m.direction.clone()).marked("", mark),
+            Cell::new(percent(m.share())).marked(m.direction.word(), m.direction.mark()),
             Cell::new(number(m.was)),
             Cell::new(number(m.is)),
             Cell::new(format!("{:.1e}", m.tolerance)),
-            Cell::new(date.replace('T', " ").trim_end_matches('Z')).marked(commit, ""),
+            Cell::new(date.replace('T', " ").trim_end_matches('Z')).small(commit),
         ]
     };
-    let rows = night.moved.iter().take(LISTED).map(row).collect();
-    table(String::new(), &["case", "quantity", "", "was", "is", "may move by", "since"], rows, "")
+    let rows = moved.iter().take(LISTED).map(row).collect();
+    let head = ["case", "quantity", "change", "accepted", "tonight", "may move by", "since"];
+    let note = if moved.len() > LISTED { format!("And {} more.", moved.len() - LISTED) } else { String::new() };
+    table(String::new(), &head, rows, &note)
+}
+
+/// The link to a page in a folder, without the anchor if the page does not have it; empty if there is no such page.
+fn existing(page: &str, folder: &Path) -> String {
+    let (file, anchor) = page.split_once('#').unwrap_or((page, ""));
+    if file.is_empty() {
+        return page.to_owned();
+    }
+    match std::fs::read_to_string(folder.join(file)) {
+        Ok(text) if text.contains(&format!("id=\"{anchor}\"")) => page.to_owned(),
+        Ok(_) => file.to_owned(),
+        Err(_) => String::new(),
+    }
 }
 
 /// A number: a count without a point.
@@ -38,48 +51,82 @@ fn shown(value: f64) -> String {
     if value.fract() == 0.0 && value.abs() < 1e15 { format!("{value:.0}") } else { short(value, 7) }
 }
 
+/// A change in per cent with its sign.
+pub fn percent(share: Option<f64>) -> String {
+    match share.map(|share| 100.0 * share) {
+        None => "–".to_owned(),
+        Some(0.0) => "0 %".to_owned(),
+        Some(percent) if percent.abs() >= 100.0 => format!("{percent:+.0} %"),
+        Some(percent) => format!("{percent:+.2} %"),
+    }
+}
+
 /// The parts of the night.
 pub fn parts(night: &Night) -> Table {
-    let row = |p: &Part| {
+    let row = |p: &PartRow| {
         vec![
-            Cell::new(p.name.clone()),
+            Cell::new(p.name.name()),
+            Cell::badge(p.finish.word(), p.finish.mark()),
             Cell::new(p.line.clone()),
             Cell::new(format!("{:.0}", p.cpu_s)),
             Cell::new(format!("{:.0}", p.wall_s)),
         ]
     };
-    table(String::new(), &["part", "what came out", "CPU (s)", "clock (s)"], night.parts.iter().map(row).collect(), "")
+    let head = ["part", "", "what came out", "CPU (s)", "clock (s)"];
+    table(String::new(), &head, night.parts.iter().map(row).collect(), "")
 }
 
-/// Counts of the gates, if they were counted.
-pub fn work(measures: &[Number]) -> Option<Table> {
-    let gates: Vec<&str> = GATES.iter().map(|gate| gate.name).collect();
-    let of = |gate: &str, wanted: &dyn Fn(&str) -> bool| {
-        measures.iter().find(|m| m.case == gate && wanted(&m.quantity)).map_or_else(
-            || "–".to_owned(),
-            |m| {
-                if m.value.abs() < 100.0 && m.value.fract() != 0.0 {
-                    short(m.value, 3)
-                } else {
-                    format!("{:.0}", m.value)
-                }
+/// What single runs cost, against what is accepted or was usual, if they were made.
+pub fn cost(night: &Night, shown: &Shown) -> Option<Table> {
+    let of = |gate: &str, wanted: &dyn Fn(&str) -> bool| -> [Cell; 2] {
+        let Some(m) = shown.measures.iter().find(|m| m.case == gate && wanted(&m.quantity)) else {
+            return ["–", "–"].map(Cell::new);
+        };
+        let value = if m.value.fract() == 0.0 { short(m.value, 5) } else { short(m.value, 3) };
+        let row = shown.known.iter().find(|row| m.is_of(&row.case, &row.quantity));
+        let moved = night.moved.iter().any(|moved| m.is_of(&moved.case, &moved.quantity));
+        let change = row.map_or_else(
+            || Cell::new("–"),
+            |row| {
+                let mark = if moved { Better::of(&m.quantity).direction(row.value, m.value).mark() } else { "" };
+                Cell::new(percent(Some(m.value / row.value - 1.0))).marked("", mark)
             },
-        )
+        );
+        [Cell::new(value), change]
     };
-    if !measures.iter().any(|m| gates.contains(&m.case.as_str())) {
-        return None;
-    }
-    let row = |gate: &&str| {
-        let counts = ["point_steps", "solves", "factorisations"];
-        let mut cells = vec![Cell::new((*gate).to_owned())];
-        cells.extend(counts.map(|name| Cell::new(of(gate, &|q| q == name))));
-        let compiled = [compiled::ALLOCATIONS, compiled::INSTRUCTIONS];
-        cells.extend(compiled.map(|name| Cell::new(of(gate, &|q| compiled::counted(q) == Some(name)))));
-        cells.push(Cell::new(of(gate, &|q| q == "time_ratio")));
+    let gates: Vec<&str> = GATES.iter().map(|gate| gate.name).collect();
+    let measured = |gate: &&str| shown.measures.iter().any(|m| m.case == *gate);
+    let row = |gate: &str| {
+        let mut cells = vec![Cell::new(gate.to_owned()).anchored(gate)];
+        let compiled = |what: &'static str| move |quantity: &str| compiled::counted(quantity) == Some(what);
+        cells.extend(of(gate, &compiled(compiled::INSTRUCTIONS)));
+        cells.extend(of(gate, &compiled(compiled::ALLOCATIONS)));
+        cells.extend(of(gate, &|quantity| quantity == TIME));
         cells
     };
-    let head = ["gate", "point-steps", "solves", "factorisations", "allocations", "instructions", "time / kernel"];
-    Some(table(String::new(), &head, gates.iter().map(row).collect(), ""))
+    let rows: Vec<_> = gates.into_iter().filter(measured).map(row).collect();
+    let head = ["run", "instructions", "change", "allocations", "change", "CPU time", "change"];
+    (!rows.is_empty()).then(|| table(String::new(), &head, rows, ""))
+}
+
+/// What the costs are compared with, and how often times would be reported without a cause.
+pub fn about_cost(shown: &Shown) -> String {
+    let alarms = FalseAlarms::of(shown.measures, shown.history).map_or_else(
+        || format!("Times are compared after {LEAST} nights."),
+        |found| {
+            let FalseAlarms { numbers, nights, beyond, all } = found;
+            format!(
+                "Expected false alarms in 30 nights: {}. In the last {nights} nights {beyond} of {all} times were beyond their \
+                 threshold; a time is reported on the second night in a row, and there are {numbers} of them.",
+                short(found.in_thirty_nights(), 1)
+            )
+        },
+    );
+    format!(
+        "Instructions and allocations are compared with the accepted ones of the same compiler, or with their median over the \
+         nights. CPU time is a ratio to that of a fixed kernel timed in turns with the run, compared with its median over the nights. \
+         Counts of the program itself repeat exactly, whatever the load. {alarms}"
+    )
 }
 
 /// Speed against error, if the study was run: the least work by which each sweep reaches an error.

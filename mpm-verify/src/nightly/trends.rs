@@ -3,11 +3,17 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use super::collect::ERROR;
 use super::compiled;
 use super::history::{ENTRY, History};
+use super::work::TIME;
+use crate::experiment::accepted::SOLVED;
 use crate::experiment::number::Better;
 use crate::page::{Block, Link, Page, Section, escaped};
 use crate::report::numbers::short;
+use crate::report::plots::axis::Axis;
+use crate::report::plots::figure::{Figure, Mark, Panel, Point, Series};
+use crate::report::plots::look;
 use crate::report::{ReportError, unwritable};
 
 /// Width and height of a line, in its own units.
@@ -20,15 +26,20 @@ type Shown = (&'static str, &'static str, fn(&str) -> bool);
 const PAGES: [Shown; 3] = [
     ("errors", "Errors", |q| !is_order(q) && !is_cost(q)),
     ("orders", "Orders of convergence", is_order),
-    ("cost", "Cost in counts, and time over the calibration kernel", is_cost),
+    ("cost", "Cost", is_cost),
 ];
+
+/// Links to them from the folder of a night.
+pub fn links() -> [Link; 3] {
+    PAGES.map(|(name, title, _)| Link::new(format!("{title} over the nights"), format!("../trends/{name}.html")))
+}
 
 fn is_order(quantity: &str) -> bool {
     quantity == "order" || quantity.ends_with("_order")
 }
 
 fn is_cost(quantity: &str) -> bool {
-    let counts = ["steps", "point_steps", "factorisations", "solves", "rejected", "peak_bytes", "time_ratio"];
+    let counts = ["steps", "point_steps", "factorisations", "solves", "rejected", "peak_bytes", TIME];
     counts.contains(&quantity) || quantity.starts_with("cost_for") || compiled::counted(quantity).is_some()
 }
 
@@ -81,7 +92,7 @@ pub fn write(history: &History, folder: &Path) -> Result<(), ReportError> {
         let others = PAGES.iter().filter(|(other, ..)| *other != name);
         let links = others.map(|(other, title, _)| Link::new(*title, format!("{other}.html"))).collect();
         let off: Vec<String> = red(history).into_iter().map(|(entry, count)| format!("{entry}: {count}")).collect();
-        Page::new(format!("{title} over time"))
+        Page::new(format!("{title} over the nights"))
             .lead(lead)
             .below("Nightly runs", "../index.html")
             .section(Section::new("moved", "Numbers that moved, the latest first").with(rows(&moved)))
@@ -162,12 +173,9 @@ fn trend(history: &History, case: &str, quantity: &str) -> Option<Trend> {
     };
     let (mut change, mut moved_at, mut commit, mut mark) = (String::new(), String::new(), String::new(), "");
     if let [.., (_, was), (entry, is)] = steps {
-        let word = Better::of(quantity).word(*was, *is);
-        mark = match word {
-            "worse" | "gone" => "bad",
-            "better" => "good",
-            _ => "",
-        };
+        let direction = Better::of(quantity).direction(*was, *is);
+        let word = direction.word();
+        mark = direction.mark();
         change = if was.is_finite() && is.is_finite() && *was != 0.0 {
             format!("{word}, {:+.2} %", 100.0 * (is / was - 1.0))
         } else {
@@ -191,6 +199,71 @@ fn trend(history: &History, case: &str, quantity: &str) -> Option<Trend> {
         marks,
         last: last.0,
     })
+}
+
+/// Kinds of numbers whose mean change is drawn: label, which quantities, smallest value that counts.
+type Kind = (&'static str, fn(&str) -> bool, f64);
+
+/// Errors of exact solutions, above the round-off of linear solves.
+const ERRORS: [Kind; 3] = [
+    ("accuracy study", |q| q == ERROR, SOLVED),
+    ("sweeps", |q| q == "largest_error", SOLVED),
+    ("verification suite", |q| q == "error", SOLVED),
+];
+
+/// Costs.
+const COSTS: [Kind; 3] = [
+    ("instructions", |q| compiled::counted(q) == Some(compiled::INSTRUCTIONS), 0.0),
+    ("allocations", |q| compiled::counted(q) == Some(compiled::ALLOCATIONS), 0.0),
+    ("CPU time", |q| q == TIME, 0.0),
+];
+
+/// Errors and costs over the nights, as mean changes since the first night; nothing with fewer than two nights.
+pub fn figure(history: &History) -> Option<Figure> {
+    let nights = history.entries.len();
+    if nights < 2 {
+        return None;
+    }
+    let dates: Vec<&str> = history.entries.iter().map(|entry| entry.get(5..10).unwrap_or_default()).collect();
+    let every = nights.div_ceil(6);
+    let ticks: Vec<_> = (0..nights).step_by(every).map(|night| (night as f64 + 1.0, dates[night].to_owned())).collect();
+    let mut panels = Vec::new();
+    for (title, kinds, looks) in [("Errors", ERRORS, [0, 1, 2]), ("Cost", COSTS, [3, 4, 5])] {
+        let x = Axis::linear("night", "night").range(0.7, nights as f64 + 0.3).named(ticks.clone());
+        let mut panel = Panel::new(title, x, Axis::linear("change since the first night (%)", "change_percent"));
+        for (kind, place) in kinds.into_iter().zip(looks) {
+            let points =
+                (0..nights).filter_map(|night| Some(Point::new(night as f64 + 1.0, change(history, kind, night)?)));
+            panel.add(Series::new(kind.0, look::nth(place), Mark::LinePoints, points));
+        }
+        // Numbers that do not move lie on one line, not in their round-off.
+        let (low, high) = panel.all_y().into_iter().fold((-1.0_f64, 1.0_f64), |(l, h), y| (l.min(y), h.max(y)));
+        panel.y.range = Some((1.1 * low, 1.1 * high));
+        panels.push(panel);
+    }
+    let caption = "Geometric mean over all numbers of a kind, each as a ratio to its first night. CPU time follows the load of the machine.";
+    Some(Figure {
+        name: "over-nights",
+        title: format!("Errors and costs of {nights} nights"),
+        caption: caption.to_owned(),
+        height: 240.0,
+        panels,
+        missing: Vec::new(),
+    })
+}
+
+/// Mean change of the numbers of a kind at a night since the first night of each, in per cent.
+fn change(history: &History, (_, is, least): Kind, night: usize) -> Option<f64> {
+    let own = history.numbers().into_iter().filter(|(_, quantity)| is(quantity));
+    let ratios = own.filter_map(|(case, quantity)| {
+        let steps = history.steps(case, quantity);
+        let first = steps.first()?.1;
+        let now = steps.iter().rev().find(|(entry, _)| *entry <= night)?.1;
+        (first > least && now > 0.0).then(|| (now / first).ln())
+    });
+    let logarithms: Vec<f64> = ratios.collect();
+    let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;
+    (!logarithms.is_empty()).then(|| 100.0 * mean.exp_m1())
 }
 
 /// The steps of a number as points of a line, and the places where it changed.

@@ -1,14 +1,14 @@
-//! What runs cost in counts: steps, point-steps, solves, factorisations, repeated steps, calls of the allocator, and, where
-//! callgrind is installed, instructions. The same program counts the same on every machine of a kind, whatever else it does.
+//! What runs cost in counts: steps, point-steps, solves, factorisations, repeated steps, calls of the allocator. The same program
+//! counts the same on every machine of a kind, whatever else it does. Beside them stands what they cost in time.
 
 use allocation_counter::{AllocationInfo, measure, opt_out};
-use cpu_time::ThreadTime;
 use mpm_core::drive::Run;
 use mpm_core::run::run;
 use mpm_core::scene::{Dimension, Fields, Flags, Integrator, Scene, ShapeChoice, TimeMethod, TransferChoice, Until};
 
+use super::calibration;
 use super::compiled::{self, ALLOCATIONS, COMPILED};
-use super::{calibration, instructions};
+use super::part::Measured;
 use crate::error::Error::{self, Lacks};
 use crate::experiment::number::{Label, Number, Tolerance};
 use crate::unpanicked::unpanicked;
@@ -64,6 +64,8 @@ pub const GATES: [Gate; 18] = [
     Gate { name: "work-dam", scene: ("dam", None, None), change: as_it_is },
 ];
 
+/// Name of the CPU time of a gate over that of the calibration kernel.
+pub const TIME: &str = "time_ratio";
 /// Point-steps after which an explicit run has shown what it costs.
 const ENOUGH: f64 = 2e5;
 /// Part of the steps of other runs that is enough.
@@ -117,67 +119,45 @@ pub fn named(name: &str) -> Option<&'static Gate> {
     GATES.iter().find(|gate| gate.name == name)
 }
 
-/// What the gates have cost.
-#[derive(Debug, Default)]
-pub struct Counted {
-    /// The counts, and the times over that of the kernel.
-    pub measures: Vec<Number>,
-    /// How instructions were counted, or why they were not.
-    pub notes: Vec<String>,
-    /// Gates that could not be run, and why.
-    pub fell: Vec<String>,
+/// Runs every gate and counts.
+pub fn counts() -> Measured {
+    let (measured, failed) = each(Gate::counts);
+    found(measured, failed)
 }
 
-/// Runs every gate and counts; with the program's own path also its instructions, if callgrind is installed. A gate that cannot be
-/// run takes no other down.
-pub fn counts(program: Option<&std::path::Path>) -> Counted {
-    let mut all = Counted::default();
-    let kernel = calibration::time();
-    let counter = program.map(instructions::counter);
+/// The counts of the gates that were run, and why others were not.
+pub fn found(measured: Vec<Vec<Number>>, failed: Vec<String>) -> Measured {
+    Measured::of([(measured.len(), "runs")]).with(measured.concat()).failed(failed)
+}
+
+/// Does something with every gate; one that fails takes no other down. Results, and what failed.
+pub fn each<T>(work: impl Fn(&Gate) -> Result<T, Error>) -> (Vec<T>, Vec<String>) {
+    let (mut results, mut failed) = (Vec::new(), Vec::new());
     for gate in &GATES {
-        let counter = counter.as_ref().and_then(|counter| counter.as_ref().ok());
-        let of_gate = || {
-            let instructions = counter.map(|counter| counter.measure(gate.name)).transpose()?;
-            Ok::<_, Error>((gate.counts(kernel)?, instructions))
-        };
-        match unpanicked(of_gate) {
-            Ok(Ok((measures, instructions))) => {
-                all.measures.extend(measures);
-                if let Some(None) = instructions {
-                    all.notes
-                        .push(format!("Instructions of {} were not counted: valgrind does not know all.", gate.name));
-                }
-                all.measures.extend(instructions.flatten());
-            }
-            Ok(Err(why)) => all.fell.push(why.to_string()),
-            Err(why) => all.fell.push(format!("{}: {why}", gate.name)),
+        match unpanicked(|| work(gate)) {
+            Ok(Ok(result)) => results.push(result),
+            Ok(Err(why)) => failed.push(why.to_string()),
+            Err(why) => failed.push(format!("{}: {why}", gate.name)),
         }
     }
-    all.notes.extend(counter.map(|counter| match counter {
-        Ok(counter) => format!("Instructions: {}, without those of a run of nothing.", counter.with),
-        Err(why) => format!("Instructions were not counted: {why}."),
-    }));
-    all
+    (results, failed)
 }
 
 impl Gate {
-    /// What it costs, and its time over that of the kernel (s).
-    fn counts(&self, kernel: f64) -> Result<Vec<Number>, Error> {
+    /// What it costs, and its time over that of the kernel.
+    fn counts(&self) -> Result<Vec<Number>, Error> {
         let scene = self.scene()?;
         let mut outcome = Err(Lacks("run"));
         let info = measure(|| outcome = self.run());
         let mut measures = counted(self, &scene, &outcome?, &info);
-        let mut times = [0.0; 3];
-        for time in &mut times {
-            let clock = ThreadTime::now();
+        let time = calibration::ratio(|| {
             let mut ended = Ok(());
             opt_out(|| ended = self.run().map(drop));
-            ended?;
-            *time = clock.elapsed().as_secs_f64();
-        }
-        times.sort_by(f64::total_cmp);
-        measures.push(Number::new(self.name, "time_ratio", Label::Time, times[1] / kernel, Tolerance::relative(0.0)));
-        Ok(measures)
+            ended
+        })?;
+        measures.push(Number::new(self.name, TIME, Label::Time, time, Tolerance::relative(0.0)));
+        let page = format!("#{}", self.name);
+        Ok(measures.into_iter().map(|number| number.at(&page)).collect())
     }
 }
 

@@ -45,6 +45,8 @@ pub struct Cell {
     pub mark: &'static str,
     /// Target of a link; empty for none.
     pub link: String,
+    /// Anchor of its place on the page; empty for none.
+    pub id: String,
     /// Whether the text is shown as a badge.
     pub badge: bool,
     /// Whether the text may hold links and code, as texts of a [`super::Block`] may.
@@ -54,7 +56,8 @@ pub struct Cell {
 impl Cell {
     /// A plain cell.
     pub fn new(text: impl Into<String>) -> Self {
-        Self { text: text.into(), small: String::new(), mark: "", link: String::new(), badge: false, prose: false }
+        let empty = String::new;
+        Self { text: text.into(), small: empty(), mark: "", link: empty(), id: empty(), badge: false, prose: false }
     }
 
     /// A badge: a verdict with the class of its colour.
@@ -80,6 +83,11 @@ impl Cell {
     /// With a remark in small letters.
     pub fn small(self, small: impl Into<String>) -> Self {
         Self { small: small.into(), ..self }
+    }
+
+    /// With an anchor that links lead to.
+    pub fn anchored(self, id: &str) -> Self {
+        Self { id: id.to_owned(), ..self }
     }
 
     /// With a link.

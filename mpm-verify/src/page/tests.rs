@@ -118,7 +118,7 @@ fn home_says_each_kind_of_verdict_with_its_own_word() {
     let claims = Counts::Claims { reproduced: 11, not_reproduced: 9, not_comparable: 1 };
     let checks = Counts::Checks(Checks { passed: 7, not_established: 3, ..Checks::default() });
     let degraded = Counts::Checks(Checks { passed: 14, degraded: 10, stopped: 8, ..Checks::default() });
-    let nights = Counts::Nights { unchanged: 4, moved: 0 };
+    let nights = Counts::Nights { unchanged: 4, moved: 0, worse: 0, in_part: 0 };
     let all = [
         (Kind::Levee, of(claims)),
         (Kind::Suite, of(checks)),

@@ -50,8 +50,14 @@ pub enum Counts {
     Nights {
         /// How many moved nothing.
         unchanged: usize,
-        /// How many moved something.
+        /// How many moved something, none of it for the worse.
         moved: usize,
+        /// How many got worse, or had a check that failed.
+        #[serde(default)]
+        worse: usize,
+        /// How many moved nothing and were no whole night.
+        #[serde(default)]
+        in_part: usize,
     },
 }
 
@@ -135,7 +141,12 @@ impl Counts {
             Self::Claims { reproduced, not_reproduced, not_comparable } => {
                 vec![(reproduced, "reproduced"), (not_reproduced, "not reproduced"), (not_comparable, "not comparable")]
             }
-            Self::Nights { unchanged, moved } => vec![(unchanged, "unchanged"), (moved, "moved")],
+            Self::Nights { unchanged, moved, worse, in_part } => vec![
+                (unchanged, "unchanged"),
+                (moved, "moved otherwise"),
+                (worse, "worse or failed"),
+                (in_part, "in part"),
+            ],
         }
     }
 
@@ -162,7 +173,9 @@ impl Counts {
             Self::Checks(Checks { passed: 0, .. }) => State::NotEstablished,
             Self::Checks(_) => State::Passed,
             Self::Claims { reproduced, .. } => State::Claims { reproduced, total: self.total() },
+            Self::Nights { worse: 1.., .. } => State::Worse,
             Self::Nights { moved: 1.., .. } => State::Moved,
+            Self::Nights { in_part: 1.., .. } => State::NotEstablished,
             Self::Nights { .. } => State::Unchanged,
         }
     }
@@ -188,9 +201,10 @@ impl Counts {
                 not_reproduced: b + not_reproduced,
                 not_comparable: c + not_comparable,
             },
-            (Self::Nights { unchanged: a, moved: b }, Self::Nights { unchanged, moved }) => {
-                Self::Nights { unchanged: a + unchanged, moved: b + moved }
-            }
+            (
+                Self::Nights { unchanged: a, moved: b, worse: c, in_part: d },
+                Self::Nights { unchanged, moved, worse, in_part },
+            ) => Self::Nights { unchanged: a + unchanged, moved: b + moved, worse: c + worse, in_part: d + in_part },
             _ => return None,
         })
     }

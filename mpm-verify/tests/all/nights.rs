@@ -41,7 +41,7 @@ fn a_nightly_run_is_accepted_and_numbers_that_move_are_reported() {
     let first = nightly(root.path(), &work);
     assert_eq!(first.status.code(), Some(1), "{}", error(&first));
     assert!(
-        error(&first).starts_with("FAILED: ") && error(&first).contains("work-krylov solves new"),
+        error(&first).starts_with("MOVED: ") && error(&first).contains("work-krylov solves new"),
         "{}",
         error(&first)
     );
@@ -59,7 +59,7 @@ fn a_nightly_run_is_accepted_and_numbers_that_move_are_reported() {
     assert!(text.starts_with("# What `mpm-verify nightly`") && text.contains(",a test\n"), "{text}");
     let second = nightly(root.path(), &[&work[..5], &["two"]].concat());
     assert!(second.status.success(), "an unchanged program passes: {}", error(&second));
-    assert_eq!(summary(&night(&root.path().join("two")))["verdict"], "passed");
+    assert_eq!(summary(&night(&root.path().join("two")))["verdict"], "unchanged");
     // A count that is off by one, and an obsolete one.
     let line = text.lines().find(|line| line.starts_with("work-explicit-column,steps,")).expect("a count");
     let value = line.split(',').nth(3).expect("a value");
@@ -94,7 +94,7 @@ fn what_cannot_be_accepted_is_refused() {
         (&["--accept", " "][..], "--accept: expected a reason"),
         (&["--accept", "why", "--from", "nowhere"], "nowhere"),
         (&["--from", "nowhere"], "--accept <WHY>"),
-        (&["--only", "nothing"], "possible values: study, suite, stability, levee, metamorphic, work"),
+        (&["--only", "nothing"], "possible values: study, suite, stability, levee, metamorphic, work, instructions"),
         (&["--baselines", "nowhere"], "nowhere"),
     ] {
         let output = nightly(root.path(), arguments);
@@ -105,4 +105,54 @@ fn what_cannot_be_accepted_is_refused() {
     let output = nightly(root.path(), &["--baselines", "."]);
     assert_eq!(output.status.code(), Some(2));
     assert!(error(&output).contains("accepted.csv:2: expected case,quantity,label"), "{}", error(&output));
+}
+
+/// A folder with a program `valgrind` that says of every run that it has an instruction unknown to it.
+#[cfg(target_os = "linux")]
+fn without_instructions(root: &Path) -> std::path::PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = root.join("programs");
+    fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join("valgrind");
+    let text = "#!/bin/sh\nfor word; do case $word in\n--version) echo valgrind-0; exit;;\n\
+                --callgrind-out-file=*nothing.callgrind) echo 'totals: 1' > \"${word#*=}\"; exit;;\nesac; done\n\
+                echo 'Illegal opcode' >&2\nexit 1\n";
+    fs::write(&path, text).expect("written");
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("a program");
+    folder
+}
+
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+#[test]
+fn a_part_that_measured_nothing_fails_the_run() {
+    let root = tempfile::tempdir().expect("a folder");
+    let programs = without_instructions(root.path());
+    let with_path = |path: &Path, out: &str| {
+        let mut command = std::process::Command::new(crate::program::PROGRAM);
+        command.args(["nightly", "--only", "instructions", "--quiet", "--out", out]);
+        command.env("PATH", path).current_dir(root.path()).output().expect("a run")
+    };
+    let failed = with_path(&programs, "one");
+    assert_eq!(failed.status.code(), Some(1), "{}", error(&failed));
+    assert!(error(&failed).contains("failed: instructions: no numbers were measured"), "{}", error(&failed));
+    assert_eq!(summary(&night(&root.path().join("one")))["parts"][0]["finish"], "failed");
+    // Without valgrind the part is not run, which is not a pass of the run if there is no other.
+    let lacks = with_path(root.path(), "two");
+    assert_eq!(lacks.status.code(), Some(1), "{}", error(&lacks));
+    assert!(error(&lacks).contains("failed: no part could be run"), "{}", error(&lacks));
+    assert_eq!(summary(&night(&root.path().join("two")))["parts"][0]["finish"], "not-run");
+}
+
+#[test]
+fn the_help_names_what_is_run() {
+    use mpm_verify::nightly::part::Part;
+    let root = tempfile::tempdir().expect("a folder");
+    let output = nightly(root.path(), &["--help"]);
+    let text = String::from_utf8_lossy(&output.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+    for part in Part::ALL {
+        assert!(text.contains(&part.what()) && text.contains(part.name()), "{part:?}: {text}");
+    }
+    let guide = fs::read_to_string(format!("{}/mpm-verify/docs/commands.md", crate::program::ROOT)).expect("a page");
+    let row = guide.lines().find(|line| line.contains("`mpm-verify nightly`")).expect("a row").to_lowercase();
+    assert!(row.contains(&Part::list()), "{row}\n{}", Part::list());
 }

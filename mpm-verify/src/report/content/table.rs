@@ -270,7 +270,9 @@ pub fn cases(results: &[CaseResult]) -> Table {
         };
         let ratio = r.dt_s / r.limit_s;
         let mut row = vec![
-            Cell::new(r.family()).small(if r.dimension == "column" { "" } else { r.dimension.as_str() }),
+            Cell::new(r.family())
+                .small(if r.dimension == "column" { "" } else { r.dimension.as_str() })
+                .anchored(&r.case),
             Cell::badge(word, mark).small(why),
             Cell::new(r.mesh_m.to_string()),
             Cell::new(r.ppc.to_string()),

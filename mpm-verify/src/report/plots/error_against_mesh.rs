@@ -20,6 +20,28 @@ pub fn largest(name: &'static str, cases: &Cases, reference: Reference) -> Figur
     figure
 }
 
+/// Largest errors of a nightly run as points over the accepted curves, relative to the exact solution with finite K_w.
+pub fn over_accepted(cases: &Cases, accepted: impl Fn(&CaseResult) -> Option<f64>) -> Figure {
+    let mut figure = largest("error-against-mesh", cases, Reference::Compressible);
+    for (panel, (load, _)) in figure.panels.iter_mut().zip(LOADS) {
+        for series in panel.series.iter_mut().filter(|series| series.is_data) {
+            series.mark = Mark::Points;
+        }
+        for ppc in cases.particles() {
+            let own = cases.meshes().into_iter().filter_map(|mesh| cases.get(load, mesh, ppc));
+            let curve: Vec<_> = own.filter_map(|r| Some((r.mesh_m, 100.0 * accepted(r)?))).collect();
+            if !curve.is_empty() {
+                panel.series.insert(0, Series::line("accepted", Look::new(GREY, Marker::Dot).width(1.0), curve));
+            }
+        }
+        panel.y.range = None;
+    }
+    share_y(&mut figure.panels);
+    figure.title = "Largest error of U against the mesh, tonight (points) and accepted (lines)".to_owned();
+    figure.caption.insert_str(0, "Relative to the exact solution with finite K_w. ");
+    figure
+}
+
 /// RMS error of the pore pressure at Tv = 0.1 relative to the exact solution with finite K_w.
 pub fn profile(cases: &Cases) -> Figure {
     let axis = Axis::log("RMS(p \u{2212} p_exact)/p₀ (%)", "profile_error_percent");
