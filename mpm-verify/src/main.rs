@@ -122,7 +122,7 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// What has to hold before a change lands: lints, tests, the quick suite, study, levee
+    #[command(about = prove::about())]
     Prove {
         #[command(flatten)]
         options: prove::Options,

@@ -56,6 +56,16 @@ const PARTS: [Part; 12] = [
 ];
 /// How many of them are run where none is named.
 const DAILY: usize = 7;
+
+/// What the command does, from the list of its parts.
+pub fn about() -> String {
+    format!("What has to hold before a change lands: {}", names(&PARTS[..DAILY]))
+}
+
+fn names(parts: &[Part]) -> String {
+    parts.iter().map(|part| part.name).collect::<Vec<_>>().join(", ")
+}
+
 /// Lines of a failed part that are shown at once: its log is there when all parts have run.
 const LAST_WORDS: usize = 20;
 
@@ -65,8 +75,8 @@ pub struct Options {
     /// Parts to run; without a name all but those of --all
     #[arg(value_name = "PART", value_parser = clap::builder::PossibleValuesParser::new(PARTS.map(|part| part.name)))]
     parts: Vec<String>,
-    /// Also the pages in a browser, the nightly run, the planted faults, and the study and the tests in a new clone of the commit
-    #[arg(long, conflicts_with = "parts")]
+    /// Also the parts that are not run every time
+    #[arg(long, conflicts_with = "parts", help = format!("Also {}", names(&PARTS[DAILY..])))]
     all: bool,
 }
 

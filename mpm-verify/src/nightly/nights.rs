@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::report::Night;
-use super::{history, trends};
+use super::{history, tables, trends};
 use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
 use crate::page::verdict::{Counts, State, Tally, Verdict};
@@ -28,7 +28,7 @@ pub fn write(known: &Path, (name, night): (&str, &Night), folder: &Path) -> Resu
     nights.sort_by(|a, b| b.1.date.cmp(&a.1.date));
     let row = |(name, night): &(String, Night)| {
         vec![
-            Cell::new(night.date.clone()).linked(&format!("{name}/index.html")),
+            Cell::new(tables::date(&night.date)).linked(&format!("{name}/index.html")),
             Cell::badge(night.state().word(), night.state().mark()),
             Cell::new(night.commit.clone()),
             Cell::new(night.moved.len().to_string()),

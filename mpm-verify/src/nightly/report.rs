@@ -244,7 +244,7 @@ pub fn write(night: &Night, shown: &Shown, folder: &Path) -> Result<(), ReportEr
     let found = PAGES.into_iter().filter(|(page, _)| folder.join(page).exists());
     let all_trends = shown.recorded.then(trends::links).into_iter().flatten();
     let links = found.map(|(page, text)| Link::new(text, page)).chain(all_trends).collect();
-    let page = Page::new(format!("Nightly run of {}", night.date))
+    let page = Page::new(format!("Nightly run of {} UTC", tables::date(&night.date)))
         .verdict(night.verdict())
         .warnings(night.fell.iter().cloned());
     let mut page = sections.into_iter().fold(page, Page::section).conditions(&night.manifest).beside(links);
@@ -383,7 +383,7 @@ pub(crate) mod tests {
         write_alone(&night, std::slice::from_ref(&measure), true, &own);
         let mut history = History::default();
         history.note("2026-01-01 abc", &[measure]);
-        super::trends::write(&history, &trends).expect("written");
+        trends::write(&history, &trends).expect("written");
         std::fs::write(folder.join("history.csv"), "").expect("written");
         crate::nightly::nights::write(folder, ("2026-01-01", &night), folder).expect("written");
     }

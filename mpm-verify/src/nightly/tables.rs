@@ -8,7 +8,7 @@ use super::moved::Moved;
 use super::report::{LISTED, Night, PartRow, Shown};
 use super::thresholds::{FalseAlarms, LEAST};
 use super::work::{GATES, TIME};
-use crate::experiment::number::{Better, Number};
+use crate::experiment::number::Number;
 use crate::report::content::table::{Cell, Table, table};
 use crate::report::numbers::short;
 
@@ -24,13 +24,18 @@ pub fn moved(moved: &[&Moved], folder: &Path) -> Table {
             Cell::new(number(m.was)),
             Cell::new(number(m.is)),
             Cell::new(format!("{:.1e}", m.tolerance)),
-            Cell::new(date.replace('T', " ").trim_end_matches('Z')).small(commit),
+            Cell::new(self::date(date)).small(commit),
         ]
     };
     let rows = moved.iter().take(LISTED).map(row).collect();
     let head = ["case", "quantity", "change", "accepted", "tonight", "may move by", "since"];
     let note = if moved.len() > LISTED { format!("And {} more.", moved.len() - LISTED) } else { String::new() };
     table(String::new(), &head, rows, &note)
+}
+
+/// A date of a record, to the minute.
+pub fn date(record: &str) -> String {
+    record.get(..16).unwrap_or(record).replace('T', " ")
 }
 
 /// The link to a page in a folder, without the anchor if the page does not have it; empty if there is no such page.
@@ -73,40 +78,41 @@ pub fn parts(night: &Night) -> Table {
         ]
     };
     let head = ["part", "", "what came out", "CPU (s)", "clock (s)"];
-    table(String::new(), &head, night.parts.iter().map(row).collect(), "")
+    table(String::new(), &head, night.parts.iter().map(row).collect(), "").words()
 }
 
 /// What single runs cost, against what is accepted or was usual, if they were made.
 pub fn cost(night: &Night, shown: &Shown) -> Option<Table> {
-    let of = |gate: &str, wanted: &dyn Fn(&str) -> bool| -> [Cell; 2] {
-        let Some(m) = shown.measures.iter().find(|m| m.case == gate && wanted(&m.quantity)) else {
-            return ["–", "–"].map(Cell::new);
+    let counted = |wanted: &'static str| move |quantity: &str| compiled::counted(quantity) == Some(wanted);
+    let (instructions, allocations) = (counted(compiled::INSTRUCTIONS), counted(compiled::ALLOCATIONS));
+    let kinds: [(&str, &dyn Fn(&str) -> bool); 3] =
+        [("instructions", &instructions), ("allocations", &allocations), ("CPU time", &|quantity| quantity == TIME)];
+    let measured = |gate: &str, is: &dyn Fn(&str) -> bool| {
+        shown.measures.iter().find(|m| m.case == gate && is(&m.quantity) && m.value.is_finite())
+    };
+    let cells = |gate: &str, is: &dyn Fn(&str) -> bool| {
+        let Some(m) = measured(gate, is) else { return ["–", "–"].map(Cell::new) };
+        let value = match m.value {
+            v if v.fract() == 0.0 && v < 1e6 => format!("{v:.0}"),
+            v => short(v, 4),
         };
-        let value = if m.value.fract() == 0.0 { short(m.value, 5) } else { short(m.value, 3) };
         let row = shown.known.iter().find(|row| m.is_of(&row.case, &row.quantity));
-        let moved = night.moved.iter().any(|moved| m.is_of(&moved.case, &moved.quantity));
-        let change = row.map_or_else(
-            || Cell::new("–"),
-            |row| {
-                let mark = if moved { Better::of(&m.quantity).direction(row.value, m.value).mark() } else { "" };
-                Cell::new(percent(Some(m.value / row.value - 1.0))).marked("", mark)
-            },
-        );
-        [Cell::new(value), change]
+        let moved = night.moved.iter().find(|moved| m.is_of(&moved.case, &moved.quantity));
+        let mark = moved.map_or("", |moved| moved.direction.mark());
+        let change = percent(row.map(|row| m.value / row.value - 1.0));
+        [Cell::new(value), Cell::new(change).marked("", mark)]
     };
-    let gates: Vec<&str> = GATES.iter().map(|gate| gate.name).collect();
-    let measured = |gate: &&str| shown.measures.iter().any(|m| m.case == *gate);
+    // What was not counted has no columns.
+    let gates = || GATES.iter().map(|gate| gate.name);
+    let kinds = kinds.into_iter().filter(|(_, is)| gates().any(|gate| measured(gate, is).is_some()));
+    let kinds: Vec<_> = kinds.collect();
+    let head: Vec<&str> = std::iter::once("run").chain(kinds.iter().flat_map(|(name, _)| [*name, "change"])).collect();
     let row = |gate: &str| {
-        let mut cells = vec![Cell::new(gate.to_owned()).anchored(gate)];
-        let compiled = |what: &'static str| move |quantity: &str| compiled::counted(quantity) == Some(what);
-        cells.extend(of(gate, &compiled(compiled::INSTRUCTIONS)));
-        cells.extend(of(gate, &compiled(compiled::ALLOCATIONS)));
-        cells.extend(of(gate, &|quantity| quantity == TIME));
-        cells
+        let own = kinds.iter().flat_map(|(_, is)| cells(gate, is));
+        std::iter::once(Cell::new(gate).anchored(gate)).chain(own).collect()
     };
-    let rows: Vec<_> = gates.into_iter().filter(measured).map(row).collect();
-    let head = ["run", "instructions", "change", "allocations", "change", "CPU time", "change"];
-    (!rows.is_empty()).then(|| table(String::new(), &head, rows, ""))
+    let rows = gates().map(row).collect();
+    (!kinds.is_empty()).then(|| table(String::new(), &head, rows, ""))
 }
 
 /// What the costs are compared with, and how often times would be reported without a cause.

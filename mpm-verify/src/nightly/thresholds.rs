@@ -16,7 +16,7 @@ pub const LEAST: usize = 8;
 /// Robust standard deviations (1.4826 times the median absolute deviation, Rousseeuw & Croux 1993,
 /// doi:10.1080/01621459.1993.10476408) within which a number is where it was.
 const DEVIATIONS: f64 = 6.0;
-/// Share of the median by which a time may always grow: clocks and caches.
+/// Share of the median by which a time may always grow.
 const TIMES: f64 = 0.1;
 
 /// The median of some numbers, without those that are not finite.

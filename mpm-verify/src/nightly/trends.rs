@@ -6,6 +6,7 @@ use std::path::Path;
 use super::collect::ERROR;
 use super::compiled;
 use super::history::{ENTRY, History};
+use super::tables;
 use super::work::TIME;
 use crate::experiment::accepted::SOLVED;
 use crate::experiment::number::Better;
@@ -182,7 +183,7 @@ fn trend(history: &History, case: &str, quantity: &str) -> Option<Trend> {
             word.to_owned()
         };
         let (date, of) = history.entries[*entry].split_once(' ').unwrap_or_default();
-        date.replace('T', " ").trim_end_matches('Z').clone_into(&mut moved_at);
+        moved_at = tables::date(date);
         of.clone_into(&mut commit);
     }
     let (line, marks) = line(steps, history.entries.len());
@@ -231,10 +232,13 @@ pub fn figure(history: &History) -> Option<Figure> {
     for (title, kinds, looks) in [("Errors", ERRORS, [0, 1, 2]), ("Cost", COSTS, [3, 4, 5])] {
         let x = Axis::linear("night", "night").range(0.7, nights as f64 + 0.3).named(ticks.clone());
         let mut panel = Panel::new(title, x, Axis::linear("change since the first night (%)", "change_percent"));
-        for (kind, place) in kinds.into_iter().zip(looks) {
+        for (kind, place) in kinds.iter().copied().zip(looks) {
             let points =
                 (0..nights).filter_map(|night| Some(Point::new(night as f64 + 1.0, change(history, kind, night)?)));
-            panel.add(Series::new(kind.0, look::nth(place), Mark::LinePoints, points));
+            // Lines that coincide are seen inside one another.
+            let inside = (place % kinds.len()) as f64;
+            let look = look::nth(place).radius(6.5 - 1.8 * inside).width(3.2 - inside);
+            panel.add(Series::new(kind.0, look, Mark::LinePoints, points));
         }
         // Numbers that do not move lie on one line, not in their round-off.
         let (low, high) = panel.all_y().into_iter().fold((-1.0_f64, 1.0_f64), |(l, h), y| (l.min(y), h.max(y)));
