@@ -8,8 +8,9 @@ use super::{history, tables, trends};
 use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
 use crate::page::verdict::{Counts, State, Tally, Verdict};
-use crate::page::{Link, Page, Section};
+use crate::page::{Block, Image, Link, Page, Section};
 use crate::report::ReportError;
+use crate::report::plots::error_against_mesh;
 
 /// Writes `index.html` with the nightly runs in a folder, and the one that is about to appear there under a name; the history is linked
 /// if it is in the folder.
@@ -39,7 +40,6 @@ pub fn write(known: &Path, (name, night): (&str, &Night), folder: &Path) -> Resu
         ]
     };
     let head = ["run", "verdict", "commit", "moved numbers", "failed checks", "compared", "CPU (s)", "clock (s)"];
-    let own_history = folder.join(history::NAME).exists();
     let table = Table::new("All nightly runs", &head, nights.iter().map(row).collect(), "");
     let count = |states: &[State]| nights.iter().filter(|(_, night)| states.contains(&night.state())).count();
     let counts = Counts::Nights {
@@ -48,21 +48,41 @@ pub fn write(known: &Path, (name, night): (&str, &Night), folder: &Path) -> Resu
         worse: count(&[State::Worse, State::Failed]),
         in_part: count(&[State::NotEstablished]),
     };
-    let latest = nights.first().map(|(_, night)| night);
-    let verdict = latest.map_or_else(
-        || Verdict::new(State::NotEstablished, "No nightly run yet."),
-        |night| Verdict::new(night.state(), format!("The latest run: {}.", night.found())),
-    );
-    let section = Section::new("runs", "Runs").tables([table]);
-    let section = if own_history { section.files([history::NAME]) } else { section };
-    let report = Report {
-        date: latest.map_or_else(String::new, |night| night.date.clone()),
-        commit: latest.map_or_else(String::new, |night| night.commit.clone()),
+    let Some((latest_name, latest)) = nights.first() else { return Ok(()) };
+    let verdict = Verdict::new(latest.state(), format!("The latest run: {}.", latest.found()));
+    let own_history = folder.join(history::NAME).exists();
+    let runs = Section::new("runs", "Runs").tables([table]);
+    let runs = if own_history { runs.files([history::NAME]) } else { runs };
+    let mut report = Report {
+        date: latest.date.clone(),
+        commit: latest.commit.clone(),
         ..Report::new(Kind::Nightly).counts([Tally::new("Nightly runs", counts)])
     };
+    // The pictures of the latest run, as far as it has them: that of convergence first.
+    let picture = |(name, alt): (&str, &str)| {
+        let src = format!("{latest_name}/{name}.svg");
+        let is_there = [known, folder].into_iter().any(|folder| folder.join(&src).exists());
+        let (href, caption) = (format!("{latest_name}/index.html"), String::new());
+        is_there.then(|| Image { src, alt: alt.to_owned(), caption, href })
+    };
+    let pictures: Vec<Image> = [
+        (error_against_mesh::NIGHTLY, "Largest error of U against the mesh, tonight and accepted"),
+        (trends::OVER_NIGHTS, "Errors and costs over the nights"),
+    ]
+    .into_iter()
+    .filter_map(picture)
+    .collect();
+    if let Some(first) = pictures.first() {
+        report = report.picture(&first.src, &first.alt);
+    }
+    let mut convergence = Section::new("latest", "The latest run");
+    if !pictures.is_empty() {
+        convergence = convergence.with(Block::Images(pictures));
+    }
     Page::new("Nightly runs")
         .verdict(verdict)
-        .section(section)
+        .section(convergence)
+        .section(runs)
         .beside(trends::links().map(|Link { text, href }| Link::new(text, href.trim_start_matches("../"))).into())
         .report(report)
         .write(&folder.join("index.html"))

@@ -385,6 +385,7 @@ pub(crate) mod tests {
         history.note("2026-01-01 abc", &[measure]);
         trends::write(&history, &trends).expect("written");
         std::fs::write(folder.join("history.csv"), "").expect("written");
+        std::fs::write(own.join("error-against-mesh.svg"), "").expect("written");
         crate::nightly::nights::write(folder, ("2026-01-01", &night), folder).expect("written");
     }
 

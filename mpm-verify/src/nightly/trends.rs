@@ -202,6 +202,9 @@ fn trend(history: &History, case: &str, quantity: &str) -> Option<Trend> {
     })
 }
 
+/// File name of the figure of the nights.
+pub const OVER_NIGHTS: &str = "over-nights";
+
 /// Kinds of numbers whose mean change is drawn: label, which quantities, smallest value that counts.
 type Kind = (&'static str, fn(&str) -> bool, f64);
 
@@ -243,11 +246,13 @@ pub fn figure(history: &History) -> Option<Figure> {
         // Numbers that do not move lie on one line, not in their round-off.
         let (low, high) = panel.all_y().into_iter().fold((-1.0_f64, 1.0_f64), |(l, h), y| (l.min(y), h.max(y)));
         panel.y.range = Some((1.1 * low, 1.1 * high));
-        panels.push(panel);
+        if !panel.is_empty() {
+            panels.push(panel);
+        }
     }
     let caption = "Geometric mean over all numbers of a kind, each as a ratio to its first night. CPU time follows the load of the machine.";
-    Some(Figure {
-        name: "over-nights",
+    (!panels.is_empty()).then(|| Figure {
+        name: OVER_NIGHTS,
         title: format!("Errors and costs of {nights} nights"),
         caption: caption.to_owned(),
         height: 240.0,

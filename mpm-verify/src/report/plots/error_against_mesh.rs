@@ -20,9 +20,12 @@ pub fn largest(name: &'static str, cases: &Cases, reference: Reference) -> Figur
     figure
 }
 
+/// File name of the figure of a nightly run.
+pub const NIGHTLY: &str = "error-against-mesh";
+
 /// Largest errors of a nightly run as points over the accepted curves, relative to the exact solution with finite K_w.
 pub fn over_accepted(cases: &Cases, accepted: impl Fn(&CaseResult) -> Option<f64>) -> Figure {
-    let mut figure = largest("error-against-mesh", cases, Reference::Compressible);
+    let mut figure = largest(NIGHTLY, cases, Reference::Compressible);
     for (panel, (load, _)) in figure.panels.iter_mut().zip(LOADS) {
         for series in panel.series.iter_mut().filter(|series| series.is_data) {
             series.mark = Mark::Points;
