@@ -1,4 +1,4 @@
-//! The answers of this code, by the same door as any other: `case.json` in, `results.csv` and `run.json` out.
+//! The answers of this code, through the same interface as any other: `case.json` in, `results.csv` and `run.json` out.
 //!
 //! What is solved is what `case.json` gives; the method (mesh, scheme, steps) is that of the case of the suite.
 

@@ -5,7 +5,7 @@
 //!    method, and back. [`quantity`]: what is asked. [`equations`]: what is solved. [`units`]: units and scales.
 //! 2. [`results`]: the table of a solver, with all that is wrong with it. [`score`]: errors, orders, verdict. [`mistakes`]: what a wrong
 //!    result looks like.
-//! 3. [`export`]: cases as files and pages. [`answer`]: the answers of this code, by the same door.
+//! 3. [`export`]: cases as files and pages. [`answer`]: the answers of this code, through the same interface.
 //! 4. [`command`]: a foreign code under limits. [`code`]: its scores. [`board`]: the leaderboard.
 
 pub mod answer;
