@@ -113,7 +113,8 @@ impl Convergence {
     /// Judges (mesh, signed error) pairs; errors of at most `floor` are round-off.
     pub fn new(points: &[(f64, f64)], theory: impl Into<Theory>, floor: f64) -> Self {
         let theory = theory.into();
-        let above: Vec<(f64, f64)> = points.iter().copied().filter(|(_, error)| !(error.abs() <= floor)).collect();
+        let above: Vec<(f64, f64)> =
+            points.iter().copied().filter(|(_, error)| error.is_nan() || error.abs() > floor).collect();
         let fit = fit(&above);
         let off = |fit: &Fit| theory.nearest(fit.order).map(|theory| (fit.order - theory).abs());
         let order = match fit.as_ref().filter(|fit| fit.is_established()).and_then(off) {

@@ -12,6 +12,7 @@ use mpm_verify::cost::measure;
 use mpm_verify::error::Error::{self, Unfit};
 use mpm_verify::files::Folder;
 use mpm_verify::manifest::Manifest;
+use mpm_verify::page::verdict::Counts;
 use mpm_verify::progress::Progress;
 use mpm_verify::report::{self, Study};
 use mpm_verify::study::{
@@ -559,8 +560,8 @@ fn summary(study: &Study, common: &Common) {
     for note in &study.notes {
         common.say(note);
     }
-    let count = |words: &str| study.claims.iter().filter(|claim| claim.verdict.words() == words).count();
-    let failed = study.results.iter().filter(|r| r.failure.is_some()).count();
-    let (all, claims) = (study.results.len(), study.claims.len());
-    common.say(&format!("{all} runs, {failed} failed; {} of {claims} claims reproduced", count("reproduced")));
+    let stopped = study.results.iter().filter(|r| r.failure.is_some()).count();
+    let runs = Counts::Runs { complete: study.results.len() - stopped, stopped };
+    let claims = Counts::of_claims(study.claims.iter().map(|claim| claim.verdict));
+    common.say(&format!("runs: {}; claims: {}", runs.words(), claims.words()));
 }

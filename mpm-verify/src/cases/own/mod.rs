@@ -2,7 +2,7 @@
 //! at every sample time.
 //!
 //! An error passes if it is below 1 % and falls on refinement as an error of the mesh does, or if it is below 0.3 %: an error of 1 %
-//! that stays is none of the mesh.
+//! that stays is none of the mesh. An order that is established must be that of theory, as everywhere.
 //!
 //! # Reading order
 //! 1. [`applies`]: which exact solution, or why none. 2. `columns`: what it says of a column. 3. This file: refine, run, compare.
