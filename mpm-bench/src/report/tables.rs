@@ -19,7 +19,7 @@ pub fn cost(costs: &[Cost]) -> Table {
     let cell = |cost: &Cost| {
         let r = cost.row;
         let particles = if r.ppc > 0 {
-            format!("L = {} m, {} per cell", r.mesh_m, r.ppc)
+            format!("L = {} m\n{} per cell", r.mesh_m, r.ppc)
         } else {
             format!("{} cells", r.particles)
         };
