@@ -396,6 +396,7 @@ fn a_study_without_runs_is_no_panic() {
     let (place, page) = written(one);
     check_pictures(&place.path().join("accuracy/plots"));
     assert!(page.contains("no further runs for a budget"));
+    assert!(!plots::at_a_glance::figure(&[]).caption.contains("paper"), "a scheme that is not drawn");
 }
 
 #[test]

@@ -25,6 +25,7 @@ struct Scheme {
     /// Integrator and shape functions.
     family: &'static str,
     load: &'static str,
+    about: &'static str,
     /// Mesh (m) and particles per cell of the curves.
     shown: (f64, usize),
     dash: Dash,
@@ -35,10 +36,18 @@ const SCHEMES: [Scheme; 2] = [
         name: "the paper's scheme",
         family: "explicit-centre",
         load: "particles",
+        about: "explicit, values at the cell centre, traction on the boundary particles, half a particle spacing below the surface",
         shown: PAPER,
         dash: Dash::Solid,
     },
-    Scheme { name: "ours", family: "quasi-static-bspline2", load: "surface", shown: (0.1, 9), dash: Dash::Dashed },
+    Scheme {
+        name: "ours",
+        family: "quasi-static-bspline2",
+        load: "surface",
+        about: "quasi-static, quadratic B-splines, traction on the free surface",
+        shown: (0.1, 9),
+        dash: Dash::Dashed,
+    },
 ];
 
 impl Scheme {
@@ -65,7 +74,7 @@ pub fn figure(results: &[CaseResult]) -> Figure {
             missing.push(format!("{NAME}: no run of {} with traction on {}", scheme.family, scheme.load));
             continue;
         };
-        settings.push(format!("{} with L = {} m", scheme.name, case.mesh_m));
+        settings.push(format!(" Curves of {} with L = {} m: {}.", scheme.name, case.mesh_m, scheme.about));
         curves(&mut degree, &mut pressure, scheme, case);
         for ppc in PARTICLES {
             let own = cases.meshes().into_iter().filter_map(|mesh| cases.get(scheme.load, mesh, ppc));
@@ -77,10 +86,8 @@ pub fn figure(results: &[CaseResult]) -> Figure {
         name: NAME,
         title: "The study at a glance: one-dimensional consolidation".to_owned(),
         caption: format!(
-            "Lines: the exact solution with finite bulk modulus of the pore water. Markers: {}. The paper's scheme is explicit, with \
-             values at the cell centre and traction on the boundary particles, half a particle spacing below the surface; ours is \
-             quasi-static, with quadratic B-splines and traction on the free surface.",
-            settings.join(", ")
+            "Lines: the exact solution with finite bulk modulus of the pore water. Markers: computed.{}",
+            settings.concat()
         ),
         height: 300.0,
         panels: vec![degree, pressure, errors],
