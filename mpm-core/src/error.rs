@@ -12,7 +12,7 @@ pub struct SceneError {
     pub line: usize,
     /// Dotted name of the key, e.g. `soil.poisson_ratio`, or the flag that stands in its place, e.g. `--tolerance`.
     pub key: String,
-    /// What would have been accepted, with its unit.
+    /// The rule of what is accepted, with its unit: the same for every scene. [`Notes::here`] has what it comes to in this one.
     pub expected: String,
     /// What stands there.
     pub found: String,
@@ -23,6 +23,8 @@ pub struct SceneError {
 /// What is said beside a fault of a scene.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Notes {
+    /// Values of this scene that its rule names, e.g. "lambda = 0.1".
+    pub here: Option<String>,
     /// The name that was probably meant.
     pub suggestion: Option<String>,
     /// Further faults of the same file.
@@ -47,6 +49,12 @@ impl SceneError {
         self.notes.get_or_insert_default()
     }
 
+    /// This fault with the values that its rule has in this scene.
+    pub(crate) fn with(mut self, here: impl Into<String>) -> Self {
+        self.notes_mut().here = Some(here.into());
+        self
+    }
+
     /// This fault and the further ones, each by itself.
     pub(crate) fn apart(mut self) -> Vec<Self> {
         let more = self.notes.as_mut().map_or_else(Vec::new, |notes| std::mem::take(&mut notes.more));
@@ -56,7 +64,9 @@ impl SceneError {
     /// Warnings, the fault, what was probably meant, and the further faults.
     fn lines(&self) -> Vec<String> {
         let place = if self.line == 0 { String::new() } else { format!("{}:{}: ", self.file, self.line) };
-        let fault = format!("{place}{}: expected {}, found {}", self.key, self.expected, self.found);
+        let here =
+            self.notes.iter().find_map(|notes| Some(format!(", here {}", notes.here.as_ref()?))).unwrap_or_default();
+        let fault = format!("{place}{}: expected {}{here}, found {}", self.key, self.expected, self.found);
         let Some(notes) = &self.notes else { return vec![fault] };
         let mut lines: Vec<String> = notes.warnings.iter().map(ToString::to_string).collect();
         lines.push(fault);

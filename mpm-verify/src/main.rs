@@ -137,7 +137,7 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Copy what the README and the guide show from finished runs to reports/published
+    /// Make what the README and the guide show, from a clean commit, in reports/published
     Publish {
         #[command(flatten)]
         options: publish::Options,

@@ -51,7 +51,7 @@ impl Manifest {
             commit: provenance::commit().to_owned(),
             compiler: env!("MPM_COMPILER").to_owned(),
             target: env!("MPM_TARGET").to_owned(),
-            profile: if cfg!(debug_assertions) { "debug" } else { "release" }.to_owned(),
+            profile: provenance::PROFILE.to_owned(),
             features: "none (there are none)".to_owned(),
             cpu: cpu(),
             vectors: mpm_core::hardware::instructions().to_owned(),

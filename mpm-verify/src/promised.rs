@@ -1,7 +1,7 @@
 //! Commands and files in the README, the guides and the workflows exist: every command parses, every file is there.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::{CommandFactory, Parser};
 use saphyr::{LoadableYamlNode, Yaml};
@@ -200,36 +200,10 @@ fn workflows_parse_and_call_nothing_that_does_not_exist() {
     assert!(readme.contains("cargo test --workspace") && text(".ci/run").contains("cargo test --workspace"));
 }
 
-/// An accepted number of the levee.
-fn of_the_levee(quantity: &str) -> f64 {
-    let start = format!("levee,{quantity},");
-    let baselines = text("reference-data/baselines/accepted.csv");
-    let row = baselines.lines().find(|line| line.starts_with(&start)).unwrap_or_else(|| panic!("{quantity}"));
-    row.split(',').nth(3).expect("a number").parse().expect("a number")
-}
-
 /// The number between two parts of a page, as it is written.
 fn written<'a>(page: &'a str, start: &str, end: &str) -> &'a str {
     let (_, rest) = page.split_once(start).unwrap_or_else(|| panic!("{start}"));
     rest.split_once(end).unwrap_or_else(|| panic!("{start} ... {end}")).0
-}
-
-#[test]
-fn times_of_the_levee_are_the_same_on_every_page() {
-    let (chapter, scenes) = (text("mpm-verify/docs/levee.md"), text("reference-data/scenes/README.md"));
-    let row = scenes.lines().find(|line| line.starts_with("| `levee.toml` |")).expect("a row");
-    for (found, quantity) in [
-        (written(&chapter, "E1, the toe ravels | | 12.5 h | ", " h"), "raveling_h"),
-        (written(&chapter, "E2, failure starts | 8.66 h | 13.0 h | ", " h"), "failure_start_h"),
-        (written(&chapter, "E3, rapid failure | | 13.2 h | ", " h"), "end_h"),
-        (written(&chapter, "water leaves the slope | | | by ", " h"), "first_outflow_h"),
-        (written(row, "water leaves at ", " h"), "first_outflow_h"),
-        (written(row, "E1, E2 and E3 at ", ", "), "raveling_h"),
-        (written(row, "run-out to x = ", " m"), "toe_m"),
-    ] {
-        let digits = found.split_once('.').map_or(0, |(_, digits)| digits.len());
-        assert_eq!(found, format!("{:.digits$}", of_the_levee(quantity)), "{quantity}");
-    }
 }
 
 #[test]
@@ -259,27 +233,6 @@ fn a_command_that_does_not_exist_is_found() {
     );
 }
 
-/// Files between round brackets of a page's links.
-#[test]
-fn links_of_the_pages_lead_somewhere() {
-    let mut pages = vec![
-        "README.md".to_owned(),
-        "reference-data/README.md".to_owned(),
-        "reference-data/scenes/README.md".to_owned(),
-    ];
-    pages.extend(files("mpm-verify/docs", ".md"));
-    for page in &pages {
-        let folder = PathBuf::from(format!("{ROOT}/{page}")).parent().expect("a folder").to_owned();
-        for part in text(page).split("](").skip(1) {
-            let target = part.split([')', '#']).next().unwrap_or_default();
-            if target.is_empty() || target.contains("://") || target.contains(' ') {
-                continue;
-            }
-            assert!(folder.join(target).exists(), "{page}: {target}");
-        }
-    }
-}
-
 #[test]
 fn scripts_read_files_and_run_cases_that_exist() {
     for script in [".ci/widths", ".ci/second-opinion"] {
@@ -300,24 +253,4 @@ fn scripts_read_files_and_run_cases_that_exist() {
     for case in cases {
         assert!(known.iter().any(|one| one.name == case), ".ci/widths: {case}");
     }
-}
-
-/// The times of the README are those of the last published proof.
-#[test]
-fn times_are_those_that_prove_measured() {
-    let table = format!("{ROOT}/reports/published/prove/prove.csv");
-    let rows = csv::Reader::from_path(&table).unwrap_or_else(|e| panic!("{table}: {e}")).into_deserialize();
-    let rows: Vec<(String, String, f64, bool)> =
-        rows.map(|row| row.unwrap_or_else(|e| panic!("{table}: {e}"))).collect();
-    let readme = text("README.md");
-    let promises = readme.lines().filter_map(|line| line.strip_prefix("| `")?.split_once("` | "));
-    let mut found = 0;
-    for (command, rest) in promises.filter(|(command, _)| command.starts_with("cargo ")) {
-        let run = command.replace("cargo run --release -- ", "mpm-verify ");
-        let row = rows.iter().find(|row| row.1 == run).unwrap_or_else(|| panic!("{table}: no {run}"));
-        let time = mpm_verify::progress::time(row.2);
-        assert!(row.3 && rest.starts_with(&time), "README: {command}: expected {time}, found {rest}");
-        found += 1;
-    }
-    assert!(found > 0, "no times");
 }

@@ -8,12 +8,15 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 use mpm_core::hash::{hex, sha256};
+use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::sources::{self, ROOTS};
 
 /// Hash of the sources that the program was built from.
 pub const SOURCES: &str = env!("MPM_SOURCES");
+/// The profile that the program was built in.
+pub const PROFILE: &str = if cfg!(debug_assertions) { "debug" } else { "release" };
 /// In place of a commit: git or the workspace is missing, or the workspace holds other sources than the program was built from.
 const UNKNOWN: &str = "unknown";
 /// Behind a commit from which the sources of the program differ.
@@ -24,6 +27,44 @@ pub fn commit() -> &'static str {
     static COMMIT: OnceLock<String> = OnceLock::new();
     let workspace = || Path::new(env!("CARGO_MANIFEST_DIR")).parent();
     COMMIT.get_or_init(|| workspace().and_then(|path| commit_of(path, SOURCES)).unwrap_or_else(|| UNKNOWN.to_owned()))
+}
+
+/// Which program made a report.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Made {
+    /// Its commit ([`commit`]).
+    #[serde(default)]
+    pub commit: String,
+    /// Hash of its sources.
+    #[serde(default)]
+    pub sources: String,
+    /// The profile that it was built in.
+    #[serde(default)]
+    pub profile: String,
+}
+
+impl Made {
+    /// The program that runs.
+    pub fn here() -> Self {
+        Self { commit: commit().to_owned(), sources: SOURCES.to_owned(), profile: PROFILE.to_owned() }
+    }
+
+    /// Refuses what a program made that is not that of a commit, in release.
+    ///
+    /// # Errors
+    /// The commit is unknown, the sources differ from it, or the profile is another.
+    pub fn publishable(&self, what: &str) -> Result<(), Error> {
+        require_clean(what, &self.commit)?;
+        if self.profile == "release" && !self.sources.is_empty() {
+            return Ok(());
+        }
+        let found = if self.profile.is_empty() { "unknown" } else { &self.profile };
+        Err(Error::refused(
+            what,
+            "a program in release that says the hash of its sources",
+            format!("the profile {found}"),
+        ))
+    }
 }
 
 /// Refuses numbers of a program that is not that of a commit: nobody could build it again. `what` was to be done with them.

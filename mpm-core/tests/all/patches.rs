@@ -59,7 +59,7 @@ fn a_patch_that_breaks_a_rule_is_refused_in_its_words() {
     assert_eq!(message, expected);
     assert_eq!(
         refused(&[("mesh.cell", 0.3.into())]),
-        "patch: mesh.cell: expected a cell that divides the height of 1 m into whole cells, found 0.3 m (3.3333333333333335 cells)"
+        "patch: mesh.cell: expected a cell that divides the height into whole cells, here height 1 m, found 0.3 m (3.3333333333333335 cells)"
     );
     // What the file says beside a patch is named with its line.
     let message = refused(&[("time.integrator", "quasi-static".into())]);

@@ -512,7 +512,12 @@ fn bad_water_is_refused() {
     const BLOCK: &str = "[geometry.column]\nheight = 1.0\nwidth = 1.0";
     const LEVEE: &str = "[geometry.outline]\npoints = [[0.0, 0.0], [3.0, 0.0], [1.0, 1.0], [0.0, 1.0]]";
     let cases: [(&str, &str, Edits, &str); 22] = [
-        ("head below the base", "dam", &[(FEED, "left = { head = -0.5 }")], "where the soil at the side begins"),
+        (
+            "head below the base",
+            "dam",
+            &[(FEED, "left = { head = -0.5 }")],
+            "a head above the lowest soil at the side (m), here above 0 m",
+        ),
         ("head at the base", "dam", &[(FEED, "left = { head = 0.0 }")], "above 0 m"),
         (
             "no room for water",
@@ -540,7 +545,7 @@ fn bad_water_is_refused() {
             &[(TABLE, "[water.free_surface]\nwet = [[0.0, 0.0], [1.2, 0.0], [0.0, 1.0]]")],
             "outside its outline",
         ),
-        ("a level above the soil", "dam", &[(TABLE, "[water.free_surface]\nlevel = 1.1")], "0 < level <= 1 m"),
+        ("a level above the soil", "dam", &[(TABLE, "[water.free_surface]\nlevel = 1.1")], "here top 1 m"),
         (
             "two first states",
             "dam",
@@ -556,7 +561,7 @@ fn bad_water_is_refused() {
         ("full before any front", "dam", &[(TABLE, "[water.free_surface]\nsaturation = 1.0")], "0 <= saturation < 1"),
         ("head and velocity", "dam", &[(FEED, "left = { head = 1.0, velocity = 1e-5 }")], "exactly one"),
         ("neither", "dam", &[(FEED, "left = {}")], "exactly one"),
-        ("a head above an outline", "dam", &[(BLOCK, LEVEE), ("head = 1.0", "head = 1.1")], "at most 1 m, the top"),
+        ("a head above an outline", "dam", &[(BLOCK, LEVEE), ("head = 1.0", "head = 1.1")], "here top 1 m"),
         ("a height with a head", "dam", &[(FEED, "left = { head = 1.0, height = 1.0 }")], "which is one"),
         ("a feed that takes", "dam", &[(FEED, "left = { velocity = -1e-5 }")], "above 0"),
         ("a feed beside a column", "infiltration", &[("top = {", "left = {")], "bottom or the top"),
@@ -586,8 +591,8 @@ fn bad_failure_is_refused() {
     const BASE: &str = "peak_angle = 30.0\nresidual_angle = 8.5\nslip_distance = 0.02";
     const OUTLINE: &str = "[[0.0, 0.0], [9.0, 0.0], [3.0, 3.0], [0.0, 3.0]]";
     let cases: [(&str, &str, Edits, &str); 40] = [
-        ("head above the crest", "levee", &[(HEAD, "feed.left = { head = 3.1 }")], "at most 3 m, the top of the soil"),
-        ("a feed above the crest", "levee", &[(HEAD, "feed.left = { velocity = 1e-5, height = 3.5 }")], "at most 3 m"),
+        ("head above the crest", "levee", &[(HEAD, "feed.left = { head = 3.1 }")], "here top 3 m"),
+        ("a feed above the crest", "levee", &[(HEAD, "feed.left = { velocity = 1e-5, height = 3.5 }")], "here top 3 m"),
         ("head at the base", "levee", &[(HEAD, "feed.left = { head = 0.0 }")], "above 0 m"),
         ("head that is not a number", "levee", &[(HEAD, "feed.left = { head = nan }")], "above 0 m"),
         ("feed on a missing wall", "levee", &[(HEAD, "feed.right = { head = 1.0 }")], "a wall with no soil"),
@@ -625,7 +630,7 @@ fn bad_failure_is_refused() {
             &[(WET, "wet = [[0.0, 0.0], [2.0, 0.0], [0.0, 3.2]]")],
             "outside its outline",
         ),
-        ("a level above the crest", "levee", &[(WET, "level = 3.2")], "0 < level <= 3 m"),
+        ("a level above the crest", "levee", &[(WET, "level = 3.2")], "here top 3 m"),
         (
             "soil without strength",
             "levee",
@@ -696,8 +701,8 @@ fn bad_failure_is_refused() {
         ("a point in the air", "levee", &[("[5.5, 1.2]]", "[5.5, 2.2]]")], "a place in the soil"),
         ("a point that is not a number", "levee", &[("[5.5, 1.2]]", "[nan, 1.2]]")], "a place in the soil"),
         ("a point on a line", "levee", &[("[5.5, 1.2]]", "[5.5]]")], "2"),
-        ("a level beyond the toe", "levee", &[("7.0, 8.0]", "7.0, 9.5]")], "0 <= x <= 9 m"),
-        ("a level that is not a number", "levee", &[("7.0, 8.0]", "7.0, nan]")], "0 <= x <= 9 m"),
+        ("a level beyond the toe", "levee", &[("7.0, 8.0]", "7.0, 9.5]")], "here width 9 m"),
+        ("a level that is not a number", "levee", &[("7.0, 8.0]", "7.0, nan]")], "here width 9 m"),
         ("a clock before its time", "levee", &[("starts_at = 21600.0", "starts_at = -1.0")], "0 or more (s)"),
         ("an unknown key", "levee", &[("starts_at = 21600.0", "start_at = 21600.0")], "starts_at"),
         ("soil above the mesh", "levee", &[(OUTLINE, "[[0.0, 0.0], [9.0, 0.0], [3.0, -3.0]]")], "y >= 0"),
@@ -733,7 +738,11 @@ fn bad_flags_of_a_levee_are_named() {
     let unknown = message(driver("clockwork"));
     assert!(unknown.starts_with("--driver: expected one of") && unknown.contains("\"staggered\""), "{unknown}");
     let coarse = message(Flags { cell: Some(1.0), ..Flags::default() });
-    assert!(coarse.starts_with("--mesh: expected a cell of at most 0.75 m"), "{coarse}");
+    assert!(
+        coarse
+            .starts_with("--mesh: expected at least 4 cells over the height of a slope, here a cell of at most 0.75 m"),
+        "{coarse}"
+    );
     let zero = message(Flags { cell: Some(0.0), ..Flags::default() });
     assert!(zero.starts_with("--mesh: "), "{zero}");
     let odd = message(Flags { particles_per_cell: Some(5), ..Flags::default() });
@@ -827,7 +836,7 @@ fn bad_ground_is_refused() {
             "residual above peak",
             "block-weakens",
             &[("residual_angle = 8.5", "residual_angle = 20.5")],
-            "the peak angle",
+            "peak_angle (degrees), here peak_angle = 20",
         ),
         ("no slip distance", "block-weakens", &[("slip_distance = 0.05", "slip_distance = 0.0")], "above 0"),
         (

@@ -11,6 +11,7 @@ pub(crate) mod formula;
 mod links;
 pub mod reference;
 mod render;
+pub mod stored;
 
 use std::path::{Path, PathBuf};
 

@@ -147,8 +147,7 @@ fn kind(path: &[String]) -> String {
     }
 }
 
-/// The bounds that the checker names when a scene is given a value beyond them: the same for every scene that has the key, or
-/// could have it.
+/// The rule that the checker names when a scene is given a value beyond it: the same for every scene that has the key, or could have it.
 fn bounds(path: &[String], scenes: &[Table]) -> Option<String> {
     let parent = &path[..path.len() - 1];
     let around = scenes.iter().filter(|scene| parent.is_empty() || find(scene, parent).is_some());
@@ -160,7 +159,7 @@ fn bounds(path: &[String], scenes: &[Table]) -> Option<String> {
 }
 
 /// What the checker expects of a key in place of a value of the right type; what it says of another key beside it is no bound.
-fn beyond(scene: &Table, path: &[String]) -> Option<String> {
+pub(super) fn beyond(scene: &Table, path: &[String]) -> Option<String> {
     let values =
         [Value::Float(-1e300), Value::Integer(-1_000_000_000), Value::String("?".to_owned()), Value::Float(1e300)];
     values.into_iter().filter_map(|value| refusal(scene, path, value)).find_map(|error| {
@@ -172,7 +171,7 @@ fn beyond(scene: &Table, path: &[String]) -> Option<String> {
 }
 
 /// The value at a path of a scene.
-fn find<'t>(scene: &'t Table, path: &[String]) -> Option<&'t Value> {
+pub(super) fn find<'t>(scene: &'t Table, path: &[String]) -> Option<&'t Value> {
     let (first, rest) = path.split_first()?;
     let value = match first.strip_suffix("[]") {
         Some(name) => scene.get(name)?.as_array()?.first()?,

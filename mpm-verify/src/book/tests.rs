@@ -1,6 +1,9 @@
 use pulldown_latex::config::DisplayMode;
 
+use toml::{Table, Value};
+
 use super::{formula, links, reference};
+use crate::scenes::BUILT_IN;
 
 #[test]
 fn a_formula_becomes_mathml_and_what_is_no_tex_an_error() {
@@ -36,4 +39,39 @@ fn the_checker_names_every_key_with_its_kind_and_bounds() {
     assert!(of("soil.law.linear_elastic.poisson_ratio").bounds.as_deref().is_some_and(|b| b.contains("0.5")));
     assert!(of("water.free_surface.feed.*.head").row.is_some());
     assert!(keys.len() > 150, "{}", keys.len());
+}
+
+/// Every number of a scene a little smaller, lengths and cells alike.
+fn smaller(value: &mut Value) {
+    match value {
+        Value::Float(number) => *number *= 1.0 - 1.0 / 1024.0,
+        Value::Array(list) => list.iter_mut().for_each(smaller),
+        Value::Table(table) => table.iter_mut().for_each(|(_, value)| smaller(value)),
+        _ => {}
+    }
+}
+
+#[test]
+fn a_bound_of_the_reference_is_a_rule_and_no_number_of_a_scene() {
+    let scenes = BUILT_IN.iter().map(|(name, text)| (name, text.parse::<Table>().expect("a scene")));
+    let (mut compared, mut numbers) = (0, Vec::new());
+    let keys: Vec<Vec<String>> = reference::keys()
+        .iter()
+        .map(|key| key.path.replace('*', "left").split('.').map(str::to_owned).collect())
+        .collect();
+    for (name, scene) in scenes {
+        let mut other = Value::Table(scene.clone());
+        smaller(&mut other);
+        let Value::Table(other) = other else { unreachable!() };
+        for path in keys.iter().filter(|path| reference::find(&scene, path).is_some()) {
+            let (Some(one), Some(two)) = (reference::beyond(&scene, path), reference::beyond(&other, path)) else {
+                continue;
+            };
+            compared += 1;
+            if one != two {
+                numbers.push(format!("{name}: {}: {one} | {two}", path.join(".")));
+            }
+        }
+    }
+    assert!(compared > 500 && numbers.is_empty(), "{compared} compared: {numbers:#?}");
 }

@@ -9,6 +9,7 @@ use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
 use crate::page::verdict::{Counts, State, Tally, Verdict};
 use crate::page::{Block, Image, Link, Page, Section};
+use crate::provenance::Made;
 use crate::report::ReportError;
 use crate::report::plots::error_against_mesh;
 
@@ -55,7 +56,7 @@ pub fn write(known: &Path, (name, night): (&str, &Night), folder: &Path) -> Resu
     let runs = if own_history { runs.files([history::NAME]) } else { runs };
     let mut report = Report {
         date: latest.date.clone(),
-        commit: latest.commit.clone(),
+        made: Made { commit: latest.commit.clone(), ..Made::default() },
         ..Report::new(Kind::Nightly).counts([Tally::new("Nightly runs", counts)])
     };
     // The pictures of the latest run, as far as it has them: that of convergence first.

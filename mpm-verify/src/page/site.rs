@@ -12,6 +12,7 @@ use super::table::{Cell, Table};
 use super::verdict::{Counts, State, Tally, Verdict};
 use super::{Block, Image, Page, Section, escaped};
 use crate::files::STAGE;
+use crate::provenance::Made;
 use crate::report::{ReportError, save, unwritable};
 
 /// Name of the file beside the first page of a report.
@@ -73,9 +74,9 @@ pub struct Report {
     /// When it was made, UTC.
     #[serde(default)]
     pub date: String,
-    /// Commit.
-    #[serde(default)]
-    pub commit: String,
+    /// Program that made it.
+    #[serde(flatten)]
+    pub made: Made,
     /// Verdicts, counted.
     #[serde(default)]
     pub counts: Vec<Tally>,
@@ -98,7 +99,7 @@ impl Report {
             title: String::new(),
             verdict: None,
             date: String::new(),
-            commit: String::new(),
+            made: Made::default(),
             counts: Vec::new(),
             picture: String::new(),
             alt: String::new(),
@@ -123,11 +124,17 @@ impl Report {
     pub(super) fn write(&self, page: &Page, folder: &Path) -> Result<(), ReportError> {
         let known = |name: &str| page.conditions.iter().find(|(n, _)| n == name).map(|(_, value)| value.clone());
         let or = |own: &String, name: &str| if own.is_empty() { known(name).unwrap_or_default() } else { own.clone() };
+        let conditions = || {
+            let of = |name| known(name).unwrap_or_default();
+            Some(Made { commit: known("commit")?, sources: of("sources"), profile: of("profile") })
+        };
+        let own = Some(self.made.clone()).filter(|made| *made != Made::default());
+        let made = own.or_else(conditions).unwrap_or_else(Made::here);
         let report = Self {
             title: if self.title.is_empty() { page.title.clone() } else { self.title.clone() },
             verdict: self.verdict.clone().or_else(|| page.verdict.clone()),
             date: or(&self.date, "date"),
-            commit: or(&self.commit, "commit"),
+            made,
             links: page.beside.iter().map(|link| (link.text.clone(), link.href.clone())).collect(),
             ..self.clone()
         };
@@ -321,7 +328,7 @@ fn list(known: &[Known]) -> String {
         });
         let said = report.verdict.as_ref().map_or("", |v| &v.sentence);
         let when: Vec<&str> =
-            [report.date.as_str(), report.commit.as_str()].into_iter().filter(|t| !t.is_empty()).collect();
+            [report.date.as_str(), report.made.commit.as_str()].into_iter().filter(|t| !t.is_empty()).collect();
         let link = |(text, href): &(String, String)| {
             format!("<a href=\"{}/{}\">{}</a>", escaped(folder), escaped(href), escaped(text))
         };

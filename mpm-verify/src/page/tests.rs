@@ -304,5 +304,5 @@ fn home_reaches_every_page_and_every_page_leads_home() {
     let record: Report =
         serde_json::from_slice(&fs::read(root.join("levee").join(RECORD)).expect("a record")).expect("JSON");
     assert_eq!((record.title.as_str(), record.kind), ("A page", Kind::Levee));
-    assert!(!record.date.is_empty() && !record.commit.is_empty());
+    assert!(!record.date.is_empty() && !record.made.commit.is_empty());
 }

@@ -12,7 +12,6 @@ use super::score::{Level, Score, Verdict};
 use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
 use crate::page::{Block, Image, Page, Section};
-use crate::provenance;
 use crate::rates::Order;
 use crate::report::case::section_of;
 use crate::report::content::table::{order_cell, order_rule};
@@ -133,7 +132,7 @@ pub fn write(codes: &[Code], cases: &[Case], folder: &Path) -> Result<(), Report
         .section(matrix(codes, &alone, ("alone", "Cases that one code answers")).folded())
         .section(Section::new("codes", "Verdicts by code").tables([table_of_codes(codes)]))
         .section(Section::new("data", "Data").files([BOARD]))
-        .report(Report { date: latest(codes), commit: provenance::commit().to_owned(), ..report });
+        .report(Report { date: latest(codes), ..report });
     page.sections.retain(|section| !section.blocks.is_empty());
     page.write(&folder.join("index.html"))
 }

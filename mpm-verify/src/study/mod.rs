@@ -88,7 +88,7 @@ impl Plan {
 }
 
 /// A case that takes less than this is run again for its time, s.
-const QUICK: f64 = 2e-3;
+const QUICK: f64 = 2e-2;
 /// Times at most that a quick case is run.
 const REPETITIONS: usize = 20;
 /// CPU time that repetitions may take, s.

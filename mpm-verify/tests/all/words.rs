@@ -120,7 +120,8 @@ fn words_to_avoid_are_absent() {
 #[test]
 fn the_readme_is_one_page() {
     let readme = fs::read_to_string(format!("{ROOT}/README.md")).expect("the README");
-    let count = readme.split_whitespace().count();
+    // Names of stored passages are comments, which no page shows.
+    let count = without(&readme, "<!--", "-->").split_whitespace().count();
     assert!(count <= 900, "{count} words");
 }
 

@@ -30,11 +30,11 @@ impl Reader<'_> {
         }
         let cells = scene.height / scene.cell;
         if cells < LEAST_CELLS {
-            let expected = format!(
-                "a cell of at most {} m: a slope needs {LEAST_CELLS} cells over its height",
-                scene.height / LEAST_CELLS
-            );
-            return self.refuse(&raw.mesh.get_ref().cell.span(), "mesh.cell", &expected, scene.cell);
+            let expected = format!("at least {LEAST_CELLS} cells over the height of a slope");
+            let most = scene.height / LEAST_CELLS;
+            return self
+                .refuse(&raw.mesh.get_ref().cell.span(), "mesh.cell", &expected, format!("{} m", scene.cell))
+                .map_err(|fault| fault.with(format!("a cell of at most {most} m")));
         }
         self.dry_crest(raw, scene)?;
         self.base_that_holds(raw, scene)?;
@@ -56,8 +56,10 @@ impl Reader<'_> {
         }
         let mut levels = Vec::new();
         for x in table.levels.as_ref().map_or(&[][..], |levels| levels.get_ref()) {
-            let expected = format!("0 <= x <= {} m, the width of the soil", scene.width);
-            levels.push(self.within(x, "failure.levels", &expected, |x| (0.0..=scene.width).contains(&x))?);
+            let level = self.within(x, "failure.levels", "0 <= x <= the width of the soil (m)", |x| {
+                (0.0..=scene.width).contains(&x)
+            });
+            levels.push(level.map_err(|fault| fault.with(format!("width {} m", scene.width)))?);
         }
         Ok(Some(Failure {
             levels,
@@ -99,10 +101,11 @@ impl Reader<'_> {
                 }
                 // What presses from below may stand higher.
                 if side != Side::Bottom && *value.get_ref() > high * (1.0 + 1e-9) {
-                    let expected = format!(
-                        "at most {high} m, the top of the soil at this side: more would flow over soil that may fail"
-                    );
-                    return self.refuse(&value.span(), &format!("{key}.{word}"), &expected, value.get_ref());
+                    let expected =
+                        "at most the top of the soil at this side (m): more would flow over soil that may fail";
+                    return self
+                        .refuse(&value.span(), &format!("{key}.{word}"), expected, value.get_ref())
+                        .map_err(|fault| fault.with(format!("top {high} m")));
                 }
             }
         }

@@ -64,13 +64,14 @@ impl Reader<'_> {
         };
         let level = match &raw.level {
             Some(value) if retention.is_some() => {
-                let expected =
-                    format!("at most {} m, the top of the soil; below 0 is a level below the base", scene.height);
-                Some(self.within(value, "water.free_surface.level", &expected, |l| l <= scene.height)?)
+                let expected = "at most the top of the soil (m); below 0 is a level below the base";
+                let level = self.within(value, "water.free_surface.level", expected, |l| l <= scene.height);
+                Some(level.map_err(|fault| fault.with(format!("top {} m", scene.height)))?)
             }
             Some(value) => {
-                let expected = format!("0 < level <= {} m, the top of the soil", scene.height);
-                Some(self.within(value, "water.free_surface.level", &expected, |l| l > 0.0 && l <= scene.height)?)
+                let expected = "0 < level <= the top of the soil (m)";
+                let level = self.within(value, "water.free_surface.level", expected, |l| l > 0.0 && l <= scene.height);
+                Some(level.map_err(|fault| fault.with(format!("top {} m", scene.height)))?)
             }
             None => None,
         };
@@ -220,8 +221,9 @@ impl Reader<'_> {
             let speed = self.positive(value, &format!("{key}.velocity"), "m/s into the soil")?;
             let height = match &feed.height {
                 Some(value) => {
-                    let expected = format!("above {low} m, where the soil at the side begins");
-                    self.within(value, &format!("{key}.height"), &expected, |h| h > low)?
+                    let expected = "above the lowest soil at the side (m)";
+                    self.within(value, &format!("{key}.height"), expected, |h| h > low)
+                        .map_err(|fault| fault.with(format!("lowest soil at {low} m")))?
                 }
                 None => high,
             };
@@ -240,16 +242,20 @@ impl Reader<'_> {
             (Some(_), Side::Top) => high,
         };
         let expected = match side {
-            _ if hangs => "a level above the base (m)".to_owned(),
-            _ if scene.gravity.is_none() => "a pressure head above 0 (m)".to_owned(),
-            Side::Top => format!("a level above {least} m, the top of the soil"),
-            _ => format!("a head above {least} m, where the soil at the side begins"),
+            _ if hangs => "a level above the base (m)",
+            _ if scene.gravity.is_none() => "a pressure head above 0 (m)",
+            Side::Top => "a level above the top of the soil (m)",
+            _ => "a head above the lowest soil at the side (m)",
         };
-        let head = self.within(value, &format!("{key}.head"), &expected, |h| h > least)?;
+        let head = self.within(value, &format!("{key}.head"), expected, |h| h > least);
+        let head =
+            head.map_err(|fault| if least.is_finite() { fault.with(format!("above {least} m")) } else { fault })?;
         let walled = scene.outline.is_some() && scene.gravity.is_some() && matches!(side, Side::Left | Side::Right);
         if walled && head > high * (1.0 + 1e-9) {
-            let expected = format!("at most {high} m, the top of the soil at this side: more would flow over it");
-            return self.refuse(&value.span(), &format!("{key}.head"), &expected, head);
+            let expected = "at most the top of the soil at this side (m): more would flow over it";
+            return self
+                .refuse(&value.span(), &format!("{key}.head"), expected, head)
+                .map_err(|fault| fault.with(format!("top {high} m")));
         }
         Ok(Feed::Head(head))
     }

@@ -125,8 +125,8 @@ impl Reader<'_> {
         if (1.0..1e9).contains(&count) {
             return Ok(count as usize);
         }
-        let expected = format!("fewer than 1e9 cells over the {length} m of the outline");
-        self.refuse(&mesh.cell.span(), "mesh.cell", &expected, format!("{cell} m, {count:.1e} cells"))
+        let expected = "fewer than 1e9 cells over the outline";
+        self.refuse(&mesh.cell.span(), "mesh.cell", expected, format!("{cell} m, {count:.1e} cells over {length} m"))
     }
 
     fn empty_cells_beside(&self, mesh: &RawMesh) -> Checked<usize> {
@@ -226,9 +226,10 @@ impl Reader<'_> {
                 }
                 (None, Some(peak), Some(residual), Some(distance)) => {
                     let peak = angle(peak, "base.peak_angle")?;
-                    let expected = format!("0 <= angle <= {peak}, the peak angle (degrees)");
+                    let expected = "0 <= angle <= peak_angle (degrees)";
                     let fits = |a: f64| (0.0..=peak).contains(&a);
-                    let residual = self.within(residual, "base.residual_angle", &expected, fits)?;
+                    let residual = self.within(residual, "base.residual_angle", expected, fits);
+                    let residual = residual.map_err(|fault| fault.with(format!("peak_angle = {peak}")))?;
                     (peak, residual, Some(self.positive(distance, "base.slip_distance", "m")?))
                 }
                 _ => return self.refuse(&table.span(), "base", expected, "a mixture of both or too few"),

@@ -45,8 +45,9 @@ impl Reader<'_> {
     ) -> Checked<(CamClay, Elastic)> {
         let key = |name: &str| format!("{place}.modified_cam_clay.{name}");
         let lambda = self.positive(&law.lambda, &key("lambda"), "strain over ln p")?;
-        let expected = format!("0 < kappa < {lambda}, lambda");
-        let kappa = self.within(&law.kappa, &key("kappa"), &expected, |kappa| kappa > 0.0 && kappa < lambda)?;
+        let kappa = self
+            .within(&law.kappa, &key("kappa"), "0 < kappa < lambda", |kappa| kappa > 0.0 && kappa < lambda)
+            .map_err(|fault| fault.with(format!("lambda = {lambda}")))?;
         let expected = "-1 < nu < 0.5";
         let poisson_ratio =
             self.within(&law.poisson_ratio, &key("poisson_ratio"), expected, |nu| nu > -1.0 && nu < 0.5)?;
@@ -110,8 +111,9 @@ impl Reader<'_> {
         }
         let dilation_angle = match &law.dilation_angle {
             Some(value) => {
-                let expected = format!("0 <= psi <= {friction_angle}, the angle of friction (degrees)");
-                self.within(value, &key("dilation_angle"), &expected, |psi| (0.0..=friction_angle).contains(&psi))?
+                let expected = "0 <= psi <= phi, the angle of friction (degrees)";
+                self.within(value, &key("dilation_angle"), expected, |psi| (0.0..=friction_angle).contains(&psi))
+                    .map_err(|fault| fault.with(format!("phi = {friction_angle}")))?
             }
             None => 0.0,
         };
@@ -123,8 +125,10 @@ impl Reader<'_> {
         let tension_cutoff = match &law.tension_cutoff {
             Some(value) => {
                 let apex = strength.apex();
-                let expected = format!("0 <= sigma_t <= {apex} Pa, the apex c/tan(phi)");
-                Some(self.within(value, &key("tension_cutoff"), &expected, |stress| (0.0..=apex).contains(&stress))?)
+                let expected = "0 <= sigma_t <= c/tan(phi), the apex (Pa)";
+                let cutoff =
+                    self.within(value, &key("tension_cutoff"), expected, |stress| (0.0..=apex).contains(&stress));
+                Some(cutoff.map_err(|fault| fault.with(format!("c/tan(phi) = {apex} Pa")))?)
             }
             None => None,
         };

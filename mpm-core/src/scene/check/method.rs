@@ -141,12 +141,10 @@ impl Reader<'_> {
         let written = raw.scheme.as_ref().and_then(|scheme| scheme.get_ref().darcy_inertia.as_ref());
         let Some(value) = written else { return Ok(false) };
         let (carried, weight) = (scene.undrained_share(), scene.water.map_or(0.0, |w| w.density));
-        let expected = format!(
-            "false where the water carries a smaller share of a load, Q/(M + Q) = {carried:.3}, than of the weight, \
-             rho_w/rho = {:.3}: every wave then grows by itself",
-            weight / scene.mixture_density()
-        );
-        self.refuse(&value.span(), "scheme.darcy_inertia", &expected, value.get_ref())
+        let expected = "false where the water carries a smaller share of a load, Q/(M + Q), than of the weight, rho_w/rho: \
+                        every wave then grows by itself";
+        let here = format!("Q/(M + Q) = {carried:.3}, rho_w/rho = {:.3}", weight / scene.mixture_density());
+        self.refuse(&value.span(), "scheme.darcy_inertia", expected, value.get_ref()).map_err(|fault| fault.with(here))
     }
 
     pub(super) fn time(&self, raw: Option<&RawTime>) -> Checked<Time> {

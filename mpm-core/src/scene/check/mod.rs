@@ -440,8 +440,9 @@ impl Reader<'_> {
                 found,
             );
         }
-        let expected = format!("a cell that divides the {name} of {length} m into whole cells");
+        let expected = format!("a cell that divides the {name} into whole cells");
         self.refuse(&mesh.cell.span(), "mesh.cell", &expected, format!("{cell} m ({} cells)", length / cell))
+            .map_err(|fault| fault.with(format!("{name} {length} m")))
     }
 
     fn particles(&self, raw: &RawScene, rows: usize, across: usize, dim: Dimension) -> Checked<(usize, usize)> {
@@ -488,8 +489,9 @@ impl Reader<'_> {
         }
         // Saturated bulk density with water, dry bulk density without.
         let of_water = water.map_or(0.0, |w| n * w.density);
-        let expected = format!("a bulk density above {of_water} kg/m3, the share of the water in it");
-        let bulk = self.within(value, &format!("{table}.bulk_density"), &expected, |rho| rho > of_water)?;
+        let expected = "a bulk density above n rho_w, the share of the water in it (kg/m3)";
+        let bulk = self.within(value, &format!("{table}.bulk_density"), expected, |rho| rho > of_water);
+        let bulk = bulk.map_err(|fault| fault.with(format!("n rho_w = {of_water} kg/m3")))?;
         Ok((bulk - of_water) / (1.0 - n))
     }
 
@@ -551,8 +553,8 @@ impl Reader<'_> {
             return Ok(());
         }
         let span = table.get_ref().density.as_ref().map_or(table.get_ref().unit_weight.span(), Spanned::span);
-        let expected = format!("density = unit_weight / gravity = {:.6} kg/m3 within 1 %", water.unit_weight / g);
-        self.refuse(&span, "water.density", &expected, water.density)
+        self.refuse(&span, "water.density", "density = unit_weight / gravity within 1 % (kg/m3)", water.density)
+            .map_err(|fault| fault.with(format!("{:.6} kg/m3", water.unit_weight / g)))
     }
 
     /// Supports of the sides, as a table says or else as the defaults. A stage has no words for what only a side of the scene is.
@@ -612,10 +614,12 @@ impl Reader<'_> {
     }
 
     fn strip(&self, strip: &RawStrip, width: f64) -> Checked<LoadedStrip> {
-        let expected = format!("0 <= from < {width} m, the width");
-        let from = self.within(&strip.from, "surcharge.strip.from", &expected, |x| (0.0..width).contains(&x))?;
-        let expected = format!("from < to <= {width} m, the width");
-        let to = self.within(&strip.to, "surcharge.strip.to", &expected, |x| x > from && x <= width)?;
+        let here = |fault: SceneError| fault.with(format!("width {width} m"));
+        let expected = "0 <= from < the width (m)";
+        let from = self.within(&strip.from, "surcharge.strip.from", expected, |x| (0.0..width).contains(&x));
+        let from = from.map_err(here)?;
+        let expected = "from < to <= the width (m)";
+        let to = self.within(&strip.to, "surcharge.strip.to", expected, |x| x > from && x <= width).map_err(here)?;
         let taper = match &strip.taper {
             Some(value) => self.within(value, "surcharge.strip.taper", "a width of 0 or more (m)", |x| x >= 0.0)?,
             None => 0.0,
@@ -784,9 +788,9 @@ impl Reader<'_> {
             let observe = table.get_ref();
             if let Some(list) = &observe.times {
                 for value in list.get_ref() {
-                    times.push(self.within(value, "observe.times", &format!("0 < t <= {end} s, the end"), |t| {
-                        t > 0.0 && t <= end
-                    })?);
+                    let time = self
+                        .within(value, "observe.times", "0 < t <= the end of the stage (s)", |t| t > 0.0 && t <= end);
+                    times.push(time.map_err(|fault| fault.with(format!("end {end} s")))?);
                 }
             }
             if let Some(list) = &observe.time_factors {
@@ -797,7 +801,8 @@ impl Reader<'_> {
                 for value in list.get_ref() {
                     let fits = |tv: f64| tv > 0.0 && tv <= last * (1.0 + 1e-12);
                     let key = "observe.time_factors";
-                    times.push(seconds * self.within(value, key, &format!("0 < Tv <= {last}, the end"), fits)?);
+                    let time = self.within(value, key, "0 < Tv <= the end of the stage (-)", fits);
+                    times.push(seconds * time.map_err(|fault| fault.with(format!("end {last}")))?);
                 }
             }
             scene.profiles = observe.profiles.unwrap_or(true);

@@ -28,8 +28,10 @@ impl Reader<'_> {
         }
         if let (Some(layer), Some(last)) = (layers.last_mut(), list.last()) {
             if (layer.up_to - scene.height).abs() > ON_A_FACE * scene.cell {
-                let expected = format!("{} m, the height, as the top of the last layer", scene.height);
-                return self.refuse(&top_of(last), "layers.up_to", &expected, layer.up_to);
+                let expected = "the height of the soil (m) as the top of the last layer";
+                return self
+                    .refuse(&top_of(last), "layers.up_to", expected, layer.up_to)
+                    .map_err(|fault| fault.with(format!("height {} m", scene.height)));
             }
             layer.up_to = scene.height;
         }
@@ -71,14 +73,18 @@ impl Reader<'_> {
         let Some(up_to) = &raw.up_to else {
             return self.refuse(&layer.span(), "up_to", "the key up_to", "none");
         };
-        let expected = format!("{below} m < up_to <= {} m, from the layer below to the height", scene.height);
+        let expected = "the top of the layer below < up_to <= the height of the soil (m)";
         let most = scene.height + ON_A_FACE * scene.cell;
-        let top = self.within(up_to, "layers.up_to", &expected, |y| y > below && y <= most)?;
+        let top = self
+            .within(up_to, "layers.up_to", expected, |y| y > below && y <= most)
+            .map_err(|fault| fault.with(format!("{below} m < up_to <= {} m", scene.height)))?;
         let rows = top / scene.cell;
         // The last one of an outline ends where that does.
         if (rows - rows.round()).abs() > ON_A_FACE && (scene.outline.is_none() || top < scene.height) {
-            let expected = format!("a whole number of cells of {} m: a layer ends at the face of a cell", scene.cell);
-            return self.refuse(&up_to.span(), "layers.up_to", &expected, format!("{top} m ({rows} cells)"));
+            let expected = "a whole number of cells: a layer ends at the face of a cell";
+            return self
+                .refuse(&up_to.span(), "layers.up_to", expected, format!("{top} m ({rows} cells)"))
+                .map_err(|fault| fault.with(format!("cell {} m", scene.cell)));
         }
         Ok(SoilLayer { up_to: top, soil: self.soil_of("layers", layer, (whole, scene))? })
     }
@@ -97,9 +103,11 @@ impl Reader<'_> {
             }
             (None, Some(levels), None) => {
                 let [low, high] = *levels.get_ref();
-                let expected = format!("two heights [low, high], 0 <= low < high <= {} m", scene.height);
                 if !(low >= 0.0 && low < high && high <= scene.height) {
-                    return self.refuse(&levels.span(), "regions.levels", &expected, format!("[{low}, {high}]"));
+                    let expected = "two heights [low, high], 0 <= low < high <= the height of the soil (m)";
+                    return self
+                        .refuse(&levels.span(), "regions.levels", expected, format!("[{low}, {high}]"))
+                        .map_err(|fault| fault.with(format!("height {} m", scene.height)));
                 }
                 // Beyond both sides, so that none of the soil is on its edge.
                 let (left, right) = (-scene.width, 2.0 * scene.width);
@@ -192,22 +200,25 @@ impl Reader<'_> {
         porosity: f64,
     ) -> Checked<Option<Biot>> {
         let bulk = elastic.lame() + 2.0 / 3.0 * elastic.shear_modulus();
-        let expected = format!("{porosity} <= alpha <= 1, from the porosity on (-)");
-        let within = |alpha: f64| (porosity..=1.0).contains(&alpha);
         let key = |name: &str| format!("{table}.{name}");
+        let alpha = |value: &Spanned<f64>| {
+            let within = |alpha: f64| (porosity..=1.0).contains(&alpha);
+            self.within(value, &key("biot_coefficient"), "n <= alpha <= 1 (-)", within)
+                .map_err(|fault| fault.with(format!("n = {porosity}")))
+        };
         let (coefficient, grain_bulk_modulus) = match (coefficient, modulus) {
             (None, None) => return Ok(None),
             (Some(value), None) => {
-                let alpha = self.within(value, &key("biot_coefficient"), &expected, within)?;
+                let alpha = alpha(value)?;
                 (alpha, bulk / (1.0 - alpha))
             }
             (given, Some(value)) => {
-                let expected_modulus =
-                    format!("more than {:.4e} Pa, K/(1 - n) of the skeleton", bulk / (1.0 - porosity));
-                let fits = |modulus: f64| modulus >= bulk / (1.0 - porosity);
-                let modulus = self.within(value, &key("grain_bulk_modulus"), &expected_modulus, fits)?;
-                let alpha = given.map(|value| self.within(value, &key("biot_coefficient"), &expected, within));
-                (alpha.transpose()?.unwrap_or(1.0 - bulk / modulus), modulus)
+                let least = bulk / (1.0 - porosity);
+                let expected = "K_s >= K/(1 - n), K of the skeleton (Pa)";
+                let modulus = self
+                    .within(value, &key("grain_bulk_modulus"), expected, |modulus| modulus >= least)
+                    .map_err(|fault| fault.with(format!("K/(1 - n) = {least:.4e} Pa")))?;
+                (given.map(alpha).transpose()?.unwrap_or(1.0 - bulk / modulus), modulus)
             }
         };
         Ok(Some(Biot { coefficient, grain_bulk_modulus }).filter(|biot| biot.coefficient < 1.0))

@@ -40,10 +40,10 @@ impl Reader<'_> {
             let held = !scene.always(side, SolidSide::Free) && room == 0;
             if held && wall && (count - count.round()).abs() > 1e-6 {
                 let expected = format!(
-                    "a cell that divides {length} m into whole cells, or boundaries.{side} = \"free\": the mesh supports the \
-                     {side} wall of the soil where it ends itself"
+                    "a cell that divides the soil up to its {side} wall into whole cells, or boundaries.{side} = \"free\": the \
+                     mesh supports that wall where it ends itself"
                 );
-                let found = format!("{} m ({count} cells)", scene.cell);
+                let found = format!("{} m ({count} cells over {length} m)", scene.cell);
                 return self.refuse(&raw.mesh.get_ref().cell.span(), "mesh.cell", &expected, found);
             }
         }
