@@ -81,16 +81,19 @@ pub fn parts(night: &Night) -> Table {
     table(String::new(), &head, night.parts.iter().map(row).collect(), "").words()
 }
 
+/// Whether a quantity is of a kind.
+type IsOfKind<'a> = &'a dyn Fn(&str) -> bool;
+
 /// What single runs cost, against what is accepted or was usual, if they were made.
 pub fn cost(night: &Night, shown: &Shown) -> Option<Table> {
     let counted = |wanted: &'static str| move |quantity: &str| compiled::counted(quantity) == Some(wanted);
     let (instructions, allocations) = (counted(compiled::INSTRUCTIONS), counted(compiled::ALLOCATIONS));
-    let kinds: [(&str, &dyn Fn(&str) -> bool); 3] =
+    let kinds: [(&str, IsOfKind); 3] =
         [("instructions", &instructions), ("allocations", &allocations), ("CPU time", &|quantity| quantity == TIME)];
-    let measured = |gate: &str, is: &dyn Fn(&str) -> bool| {
+    let measured = |gate: &str, is: IsOfKind| {
         shown.measures.iter().find(|m| m.case == gate && is(&m.quantity) && m.value.is_finite())
     };
-    let cells = |gate: &str, is: &dyn Fn(&str) -> bool| {
+    let cells = |gate: &str, is: IsOfKind| {
         let Some(m) = measured(gate, is) else { return ["–", "–"].map(Cell::new) };
         let value = match m.value {
             v if v.fract() == 0.0 && v < 1e6 => format!("{v:.0}"),
