@@ -554,3 +554,61 @@ pub fn write_code(code: &Code, cases: &[Case], folder: &Path) -> Result<(), Repo
     page = page.section(section);
     page.write(&folder.join("index.html"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::case::chosen;
+    use super::*;
+
+    /// A score with these errors, each of so much CPU time.
+    fn scored(case: &Case, runs: &[(f64, f64)]) -> Score {
+        let level = |(refinement, (error, cpu)): (&f64, &(f64, f64))| Level {
+            refinement: *refinement,
+            error: Some(*error),
+            cpu_s: Some(*cpu),
+            wall_s: None,
+            peak_mib: None,
+            solve_s: Some(0.1 * cpu),
+        };
+        let levels = case.refinements.iter().zip(runs).map(level).collect();
+        let mut score = Score { levels, ..Score::not_run(case, "") };
+        score.judge(case);
+        score
+    }
+
+    #[test]
+    fn the_board_opens_on_all_cases_and_folds_what_one_code_answers() {
+        let names = ["consolidation", "two-layers", "flow-in-series"].map(str::to_owned);
+        let cases = chosen(&names, 0).expect("cases");
+        let find = |name: &str| cases.iter().find(|case| case.name == name).expect(name);
+        let code = |name: &str, scores: Vec<Score>| Code { name: name.to_owned(), scores, ..Code::default() };
+        // An error that is small on one mesh by chance does not count; the order of -10.2 of what is exact by nature is none.
+        let series = scored(find("flow-in-series"), &[(-2.6e-13, 1.0), (-2.9e-10, 2.0)]);
+        assert_eq!((series.verdict, series.convergence().order), (Verdict::Passes, Order::NotExpected));
+        let own = code(
+            OWN,
+            vec![
+                scored(find("consolidation"), &[(5e-3, 1.0), (2e-2, 2.0), (8e-3, 3.0)]),
+                scored(find("two-layers"), &[(2e-2, 1.0), (5e-3, 2.0), (5e-4, 4.0)]),
+                series,
+            ],
+        );
+        let toy = code("toy", vec![scored(find("consolidation"), &[(6e-2, 0.1), (1.5e-2, 0.2), (3.8e-3, 0.3)])]);
+        let consolidation = within(find("consolidation"), &own.scores[0], 1e-2).expect("a level");
+        assert_eq!(consolidation.cpu_s, Some(3.0));
+        let folder = tempfile::tempdir().expect("a folder");
+        write(&[own, toy], &cases, folder.path()).expect("pages");
+        let page = fs::read_to_string(folder.path().join("index.html")).expect("a page");
+        let places = ["Cases solved by each code", "as accurate for less CPU time", "id=\"scores\"", "id=\"alone\""];
+        let places = places.map(|part| page.find(part).unwrap_or_else(|| panic!("{part}")));
+        assert!(places.is_sorted(), "{places:?}");
+        // Of three cases ours solves all to 1 %, two to 0.1 %; the toy one of its one.
+        for part in
+            ["<td>100 %</td><td>100 %</td><td>67 %</td><td>67 %</td>", "<td>100 %</td><td>33 %</td><td>0 %</td>"]
+        {
+            assert!(page.contains(part), "{part}");
+        }
+        assert!(page[places[2]..].contains("<details") && !page[..places[2]].contains("flow-in-series"));
+        assert!(!page.contains("not run") && !page.contains("-10.1"));
+    }
+}
