@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use mpm_verify::provenance;
 
-use crate::program::{PROGRAM, changed, met, scene, start, stderr, verify};
+use crate::program::{PROGRAM, ROOT, changed, met, run, scene, start, stderr, verify};
 
 fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = fs::read_dir(folder)
@@ -272,4 +272,45 @@ fn check_reads_the_accepted_errors_that_lie_on_the_disk_and_says_which() {
         let (code, said) = check(&["--baselines", name]);
         assert!(code == Some(2) && said.contains(&format!("{name}/accepted.csv")), "{said}");
     }
+}
+
+/// Columns of a table, or keys of a record.
+fn names_in(file: &Path) -> Option<Vec<String>> {
+    let text = fs::read_to_string(file).ok()?;
+    if file.extension().is_some_and(|end| end == "csv") {
+        return Some(text.lines().next()?.split(',').map(str::to_owned).collect());
+    }
+    let record: serde_json::Value = serde_json::from_str(&text).ok()?;
+    Some(record.as_object()?.keys().cloned().collect())
+}
+
+/// What is published has the columns and keys that this program writes.
+#[test]
+fn published_files_have_the_columns_of_this_program() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let runs = [
+        ("dam", format!("solve {} --quiet --out reports/dam", scene("dam.toml"))),
+        ("suite", "check dry-bar --quiet --out reports/suite".to_owned()),
+        ("stability", "stability patch --quick --quiet --out reports/stability".to_owned()),
+        ("levee", "levee --mesh 0.4 --until 6.2 --no-vtk --quiet --out reports/levee".to_owned()),
+        (
+            "accuracy",
+            "study --mesh 0.1,0.05 --ppc 1 --integrator quasi-static --no-cost --quiet --out reports/accuracy"
+                .to_owned(),
+        ),
+    ];
+    let mut compared = 0;
+    for (name, line) in runs {
+        let output = run(folder.path(), &line);
+        assert!(output.status.success(), "{line}: {}", stderr(&output));
+        let (own, published) =
+            (folder.path().join("reports").join(name), Path::new(ROOT).join("reports/published").join(name));
+        for file in names(&published).iter().map(Path::new) {
+            if let (Some(own), Some(there)) = (names_in(&own.join(file)), names_in(&published.join(file))) {
+                assert_eq!(there, own, "{name}/{}: publish makes it anew", file.display());
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 15, "{compared} files");
 }
