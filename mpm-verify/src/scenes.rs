@@ -20,31 +20,29 @@ pub const SLOPES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/slopes.r
 pub struct Exhibit {
     /// Its name.
     pub name: &'static str,
-    /// Its picture on the overview page.
-    pub picture: &'static str,
     /// Its file.
     pub text: &'static str,
 }
 
 /// A scene with the text of its file.
 macro_rules! exhibit {
-    ($name:literal, $picture:literal, $file:literal) => {
-        Exhibit { name: $name, picture: $picture, text: include_str!($file) }
+    ($name:literal, $file:literal) => {
+        Exhibit { name: $name, text: include_str!($file) }
     };
 }
 
 /// The scenes of the gallery, in the order of the page.
 pub const GALLERY: [Exhibit; 10] = [
-    exhibit!("embankment", "map-water", "../../reference-data/gallery/embankment.toml"),
-    exhibit!("footing", "plot-history", "../../reference-data/gallery/footing.toml"),
-    exhibit!("levee-with-core", "map-water", "../../reference-data/gallery/levee-with-core.toml"),
-    exhibit!("drawdown", "map-water", "../../reference-data/gallery/drawdown.toml"),
-    exhibit!("rain", "map-water", "../../reference-data/gallery/rain.toml"),
-    exhibit!("retaining-wall", "plot-history", "../../reference-data/gallery/retaining-wall.toml"),
-    exhibit!("submerged-slope", "map-soil", "../../reference-data/gallery/submerged-slope.toml"),
-    exhibit!("cyclic-load", "plot-history", "../../reference-data/scenes/cyclic-load.toml"),
-    exhibit!("vertical-drain", "map-water", "../../reference-data/gallery/vertical-drain.toml"),
-    exhibit!("collapse-in-water", "map-soil", "../../reference-data/gallery/collapse-in-water.toml"),
+    exhibit!("embankment", "../../reference-data/gallery/embankment.toml"),
+    exhibit!("footing", "../../reference-data/gallery/footing.toml"),
+    exhibit!("levee-with-core", "../../reference-data/gallery/levee-with-core.toml"),
+    exhibit!("drawdown", "../../reference-data/gallery/drawdown.toml"),
+    exhibit!("rain", "../../reference-data/gallery/rain.toml"),
+    exhibit!("retaining-wall", "../../reference-data/gallery/retaining-wall.toml"),
+    exhibit!("submerged-slope", "../../reference-data/gallery/submerged-slope.toml"),
+    exhibit!("cyclic-load", "../../reference-data/scenes/cyclic-load.toml"),
+    exhibit!("vertical-drain", "../../reference-data/gallery/vertical-drain.toml"),
+    exhibit!("collapse-in-water", "../../reference-data/gallery/collapse-in-water.toml"),
 ];
 
 /// Names of all scenes that the program carries: the built-in ones, those of the gallery, the published slopes.
@@ -71,6 +69,21 @@ pub fn text(source: &str) -> Result<String, Error> {
     }
     let unreadable = |source| LoadError::Unreadable { path: path.to_owned(), source };
     Ok(read_text(path, LARGEST_FILE).map_err(unreadable)?)
+}
+
+/// What the comment at the head of a scene's file says, as one paragraph; empty where there is none or no such scene.
+pub fn about(source: &str) -> String {
+    about_text(&text(source).unwrap_or_default())
+}
+
+/// Comment at the head of the text of a scene, as one paragraph.
+pub fn about_text(text: &str) -> String {
+    let comment = text.lines().map_while(|line| line.strip_prefix('#'));
+    comment
+        .map(|line| line.trim_start_matches('#').trim())
+        .filter(|line| !line.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// Reads and checks a scene, a file or the name of one that the program carries, with flags in place of some of its keys.

@@ -129,6 +129,7 @@ fn period(stiffer: f64) -> Result<Outcome, Error> {
             in_time(stepped, coarse.cell, step(&coarse)?, HALVINGS, Some(1.0))?,
             in_particles(with, coarse.cell, &PARTICLE_COUNTS, 0.2)?,
         ],
+        scene: Some(base.clone()),
         ..Outcome::default()
     })
 }
@@ -222,6 +223,7 @@ fn energy(flip: f64) -> Result<Outcome, Error> {
         notes,
         samples,
         refinements: vec![in_time, counted],
+        scene: Some(base.clone()),
         ..Outcome::default()
     })
 }
@@ -290,6 +292,7 @@ fn pic(flip: f64) -> Result<Outcome, Error> {
         required_order: Some(2.0),
         samples,
         refinements: vec![bounded(STEP, in_time), bounded(PARTICLES, counted)],
+        scene: Some(base.clone()),
         ..Outcome::default()
     })
 }

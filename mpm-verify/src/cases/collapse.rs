@@ -126,6 +126,7 @@ fn outcome(name: &str, meshes: &[f64], aspects: &[f64], kind: Kind, fault: fn(&m
         notes,
         refinements: if meshes.len() > 1 { vec![on_meshes, on_counts] } else { vec![on_counts] },
         kind: Label::Regression,
+        scene: Some(base.clone()),
         ..Outcome::default()
     })
 }

@@ -134,6 +134,7 @@ fn refined(integrate: Integrator, shape: ShapeChoice, share: f64) -> Result<Outc
             in_time(|dt| with(&base, SIDES[0], dt), coarse, 0.25 * step(coarse), 4, FIRST_ORDER)?,
             in_particles(counted, coarse, &PARTICLE_COUNTS[1..], 5e-2)?,
         ],
+        scene: Some(base.clone()),
         ..Outcome::default()
     })
 }
@@ -168,6 +169,7 @@ fn steps(share: f64) -> Result<Outcome, Error> {
         required_order: Some(1.0),
         refined_by: BY_STEP,
         samples,
+        scene: Some(base.clone()),
         ..Outcome::default()
     })
 }

@@ -159,6 +159,7 @@ fn outcome(way: &Way, required_error: f64, fault: fn(&mut Fields)) -> Result<Out
             way.in_time(&TIMES[..3], fault, |run, block| Ok(mandel::looks(run, &block.exact, block.start)))?,
             in_particles(with, coarse.cell, &PARTICLE_COUNTS[1..], 2e-2)?,
         ],
+        scene: Some(block.scene.clone()),
         ..Outcome::default()
     })
 }

@@ -171,6 +171,7 @@ fn judged(
         required_order: Some(order),
         samples,
         refinements: vec![Refinement { required_finest: Some(of_time), required_order: Some(order), ..when }],
+        scene: scenes.first().cloned(),
         ..Outcome::default()
     })
 }

@@ -37,6 +37,7 @@ fn outcome(judged: SeedingChoice) -> Result<Outcome, Error> {
             ("error of whole squares, finest".to_owned(), last, "-".to_owned()),
             ("order of whole squares".to_owned(), order, "-".to_owned()),
         ],
+        scene: Some(base.clone()),
         ..Outcome::default()
     })
 }

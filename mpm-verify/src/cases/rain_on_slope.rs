@@ -52,6 +52,7 @@ fn outcome(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
         scheme: scheme(&base),
         errors: vec![(base.cell, worst)],
         required_error: 0.03,
+        scene: Some(base.clone()),
         ..Outcome::default()
     })
 }

@@ -39,6 +39,7 @@ fn outcome(fault: fn(&mut Fields)) -> Result<Outcome, Error> {
         required_error: 2e-3,
         required_order: Some(1.0),
         samples,
+        scene: Some(base.clone()),
         ..Outcome::default()
     })
 }

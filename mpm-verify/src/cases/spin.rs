@@ -119,6 +119,7 @@ fn outcome(shape: ShapeChoice, transfer: TransferChoice) -> Result<Outcome, Erro
             in_time(step, coarse.cell, SHARE * limit, 2, None)?,
             in_particles(with, base.cell, &PARTICLE_COUNTS[1..3], 1e-3)?,
         ],
+        scene: Some(base.clone()),
         ..Outcome::default()
     })
 }

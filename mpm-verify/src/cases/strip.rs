@@ -45,6 +45,7 @@ fn outcome(penalty: Option<f64>) -> Result<Outcome, Error> {
         errors,
         required_error: 1e-3,
         kind,
+        scene: Some(base),
         ..Outcome::default()
     })
 }

@@ -195,6 +195,10 @@ mod tests {
         names.dedup();
         assert_eq!((names.len(), problems.len()), (cases.len(), FILES.len()));
         assert!(PROGRAMS.iter().all(|program| names.contains(&program.name)), "a function that no case names");
+        // A page of a case says what its exact solution assumes and where it is from.
+        for problem in &problems {
+            assert!(!problem.assumptions.is_empty() && !problem.sources.is_empty(), "{}", problem.title);
+        }
     }
 
     #[test]

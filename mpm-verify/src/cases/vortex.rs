@@ -112,6 +112,7 @@ fn outcome(shape: ShapeChoice, required_error: f64, order: f64, force: f64) -> R
             // worse.
             Refinement { required_finest: Some(nine), ..Refinement::new(PARTICLES, counted, against) },
         ],
+        scene: Some(base.clone()),
         ..Outcome::default()
     })
 }

@@ -7,7 +7,7 @@ use mpm_verify::report::gallery::{self, Shown};
 use mpm_verify::scenes::GALLERY;
 
 use super::terminal::coloured;
-use super::{Failure, chosen, make_folder, solve, write_file};
+use super::{Failure, chosen, make_folder, refresh_home, solve, write_file};
 use crate::Common;
 
 /// Which scenes.
@@ -35,9 +35,10 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         let end = trouble.as_ref().map_or_else(|| "done".to_owned(), |why| coloured(&format!("failed: {why}")));
         common.say(&format!("{:<20} {wall_s:>6.1} s  {end}", scene.name));
         failed.extend(trouble.iter().map(|_| scene.name));
-        shown.push(Shown::new(scene, wall_s, trouble));
+        shown.push(Shown::new(scene, wall_s, trouble, &folder));
     }
     gallery::write(&shown, &folder).map_err(Failure::run_failed)?;
+    refresh_home(&folder)?;
     common.say(&format!("{} scenes run, {} failed", shown.len(), failed.len()));
     common.page(&folder.join("index.html"));
     if failed.is_empty() { Ok(()) } else { Err(Failure::RunFailed(format!("failed: {}", failed.join(", ")))) }

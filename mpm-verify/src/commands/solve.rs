@@ -13,13 +13,15 @@ use mpm_core::run::{StartError, outline_parts, run_monitored};
 use mpm_core::scene::{Estimate, Flags, INTEGRATORS, Integrator, SHAPES, Scene};
 use mpm_core::seeding;
 use mpm_core::stability::{choose_step, stable_limit};
+use mpm_verify::cases::own::applies::Solution;
+use mpm_verify::cases::own::compared::Found;
 use mpm_verify::checkpoint;
 use mpm_verify::files::Folder;
 use mpm_verify::frames::Recorded;
 use mpm_verify::keeping::{self, Keeping, Notes};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::Progress;
-use mpm_verify::report::solved::{self, Exact};
+use mpm_verify::report::solved::{self, Solved as Shown};
 use mpm_verify::report::vtk;
 use mpm_verify::run_time::longest;
 use serde::Serialize;
@@ -96,8 +98,10 @@ struct Summary<'a> {
     cpu_s: f64,
     ns_per_point_step: f64,
     settlement_final_m: f64,
-    /// Exact settlement with finite bulk modulus of the pore water, where the scene is a consolidation.
+    /// Exact settlement with finite bulk modulus of the pore water, where there is one at the end of the run.
     settlement_compressible_m: Option<f64>,
+    /// The run beside the exact solution of its scene, where there is one.
+    exact: Option<Found>,
     failure: Option<String>,
     integrator: Integrator,
     accepted_steps: u64,
@@ -272,9 +276,13 @@ fn solve(
     if run.stopped {
         return Ok(Solved { stopped: true, failure: None });
     }
-    let summary = summary(scene, &run, hardware.thread_count(), [cpu_s, wall_s]);
+    let solution = Solution::of(scene);
+    let summary = summary(scene, &run, solution.as_ref(), hardware.thread_count(), [cpu_s, wall_s]);
     tables::write(scene, &run, folder.stage())?;
-    solved::write((scene, &run), (&summary.manifest, summary.cpu_s), folder.stage()).map_err(Failure::run_failed)?;
+    let about = mpm_verify::scenes::about(&options.scene);
+    let exact = solution.as_ref().zip(summary.exact.as_ref());
+    let shown = Shown { scene, run: &run, exact, about: &about, source: &options.scene, cpu_s };
+    solved::write(&shown, &summary.manifest, folder.stage()).map_err(Failure::run_failed)?;
     write_json(&folder.stage().join("summary.json"), &summary)?;
     if let Some(end) = &attend.end {
         tables::write_state(scene, end, &folder.stage().join("state.csv"))?;
@@ -286,7 +294,7 @@ fn solve(
     folder.publish().map_err(Failure::run_failed)?;
     checkpoint::remove(folder.path());
     common.json(&summary);
-    for line in told::lines(scene, &run, &summary) {
+    for line in told::lines(scene, &run, &summary, solution.as_ref()) {
         common.say(&line);
     }
     common.page(&folder.path().join("index.html"));
@@ -322,11 +330,16 @@ impl Stages {
     }
 }
 
-fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: [f64; 2]) -> Summary<'a> {
+fn summary<'a>(
+    scene: &'a Scene,
+    run: &'a Run,
+    exact: Option<&Solution>,
+    threads: usize,
+    [cpu_s, wall_s]: [f64; 2],
+) -> Summary<'a> {
     let limit = stable_limit(scene);
     let finite = |time: f64| Some(time).filter(|time| time.is_finite());
     let last = run.samples.last();
-    let exact = Exact::of(scene);
     Summary {
         scene,
         manifest: Manifest::new(scene, threads),
@@ -340,7 +353,11 @@ fn summary<'a>(scene: &'a Scene, run: &'a Run, threads: usize, [cpu_s, wall_s]: 
         cpu_s,
         ns_per_point_step: cpu_s * 1e9 / (run.steps.max(1) as f64 * run.solid_particles as f64),
         settlement_final_m: last.map_or(f64::NAN, |s| s.state.settlement),
-        settlement_compressible_m: exact.zip(last).map(|(exact, s)| (exact.settlement)(s.stage_time)),
+        settlement_compressible_m: exact
+            .zip(last)
+            .and_then(|(exact, s)| exact.settlement(scene, s.stage_time))
+            .filter(|settlement| settlement.is_finite()),
+        exact: exact.and_then(|exact| Found::of(exact, scene, run)),
         failure: run.failure.as_ref().map(ToString::to_string),
         integrator: scene.integrator,
         accepted_steps: run.work.accepted,

@@ -1,10 +1,11 @@
 //! Exact solutions, one per file, each with its assumptions and its own tests against independent tables.
 //!
 //! Consolidation: [`mod@column`] (all of it in one dimension, to 1e-6), in closed form [`terzaghi`], [`layered`], [`large_strain`], [`mandel`], [`radial`], [`strip`], [`dynamic`], [`damped_column`]; on a mesh: [`semidiscrete`]. Seepage with
-//! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`], [`limit_equilibrium`]; sliding: [`sliding`], [`slab`].
+//! a free surface: [`wetting_front`], [`dam`], [`boussinesq`]. Stability: [`infinite_slope`], [`limit_equilibrium`], [`bearing`], [`earth_pressure`]; sliding: [`sliding`], [`slab`].
 //! Plasticity: [`oedometer`]. What they are computed with: [`root`], [`simplex`], [`quadrature`], [`elliptic`], [`laplace`].
 
 pub mod bar;
+pub mod bearing;
 pub mod boussinesq;
 pub mod cam_clay;
 pub mod column;
@@ -12,6 +13,7 @@ pub mod coupled_field;
 pub mod dam;
 pub mod damped_column;
 pub mod dynamic;
+pub mod earth_pressure;
 pub mod elliptic;
 pub mod infinite_slope;
 pub mod laplace;

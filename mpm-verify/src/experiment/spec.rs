@@ -25,6 +25,9 @@ pub struct Problem {
     /// Its equations, in LaTeX.
     #[serde(default)]
     pub equations: Vec<String>,
+    /// What the exact solution assumes, one sentence each.
+    #[serde(default)]
+    pub assumptions: Vec<String>,
     /// Where the exact solution is from: book and page, paper, DOI.
     #[serde(default)]
     pub sources: Vec<String>,
@@ -407,6 +410,13 @@ impl Spec {
             Ok(self.looked_at(&scene.patched(&set(&patch, &without))?)?.edited(|scene| scene.history = 0)?)
         };
         if self.variants.is_empty() { Ok(vec![one(&Table::new())?]) } else { self.variants.iter().map(one).collect() }
+    }
+
+    /// Whether the case runs a scene as its file has it, but for the mesh.
+    pub fn is_of(&self, scene: &Scene) -> bool {
+        let as_it_is =
+            self.patch.is_empty() && self.without.is_empty() && self.variants.is_empty() && self.looks.is_none();
+        as_it_is && self.passages.is_empty() && built_in(&self.scene).is_ok_and(|own| own == *scene)
     }
 
     /// Keys that are taken out of the scene: times to look at too, where the case has its own.

@@ -319,7 +319,9 @@ impl Page {
         environment.add_filter("cell", |text: String| text.replace('|', "\\|").replace('\n', " "));
         environment.add_template(name, template).map_err(lost)?;
         let template = environment.get_template(name).map_err(lost)?;
-        template.render(context! { page, style => format!("{STYLE}{}", self.style), script => SCRIPT }).map_err(lost)
+        template
+            .render(context! { page, style => format!("{STYLE}{}{}", sketch::STYLE, self.style), script => SCRIPT })
+            .map_err(lost)
     }
 }
 

@@ -13,7 +13,7 @@ use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
 use crate::page::{Block, Image, Page, Section};
 use crate::rates::Order;
-use crate::report::case::section_of;
+use crate::report::case::{STYLE, exact_section, problem_of};
 use crate::report::content::table::{order_cell, order_rule};
 use crate::report::numbers::{exact, short};
 use crate::report::plots::axis::Axis;
@@ -464,7 +464,9 @@ fn case_page(codes: &[Code], case: &Case, folder: &Path) -> Result<(), ReportErr
         .lead(case.title.clone())
         .section(Section::new("errors", "Errors").figure_in(&figure, ".", &["csv", "svg"]))
         .section(Section::new("codes", "Codes").tables([table.words()]))
-        .section(section_of((&case.title, &case.problem), case.scene(), &case.equations, &case.sources))
+        .style(STYLE)
+        .section(problem_of((&case.title, &case.problem), case.scene()))
+        .section(exact_section(&case.equations, &[], &case.sources))
         .below("Leaderboard", "../../index.html")
         .write(&folder.join("index.html"))
 }

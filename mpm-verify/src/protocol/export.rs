@@ -8,7 +8,7 @@ use serde_json::Value as Json;
 use super::case::{Case, Place};
 use crate::page::table::{Cell, Table};
 use crate::page::{Page, Section};
-use crate::report::case::section_of;
+use crate::report::case::{STYLE, exact_section, problem_of};
 use crate::report::numbers::{brief, short};
 use crate::report::{ReportError, save, unwritable};
 
@@ -69,10 +69,11 @@ fn one(case: &Case, folder: &Path) -> Result<(), ReportError> {
     fs::create_dir_all(folder).map_err(|e| unwritable(folder, e))?;
     let text = serde_json::to_string_pretty(&case.json()).map_err(|e| unwritable(folder, e))?;
     save(&folder.join(CASE), text + "\n")?;
-    let problem = section_of((&case.title, &case.problem), case.scene(), &case.equations, &case.sources);
     Page::new(case.name.clone())
         .lead(case.title.clone())
-        .section(problem)
+        .style(STYLE)
+        .section(problem_of((&case.title, &case.problem), case.scene()))
+        .section(exact_section(&case.equations, &[], &case.sources))
         .section(given(case))
         .section(asked(case))
         .section(expected(case))

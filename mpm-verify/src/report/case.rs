@@ -1,4 +1,5 @@
-//! The page of one test case: verdict, the computed beside the exact, convergence, the problem with its equations, the scene.
+//! The page of one test case: the problem with its sketch and parameters, the exact solution with source and assumptions, the result beside it,
+//! orders of convergence, further numbers, how to run it again.
 
 use std::fs;
 use std::path::Path;
@@ -7,13 +8,13 @@ use mpm_core::scene::Scene;
 use pulldown_latex::config::DisplayMode;
 
 use super::content::table::order_cell;
-use super::numbers::{brief, exact, short};
+use super::numbers::{column, exact, print, short};
 use super::plots::{self, case, comparison, curves, field};
-use super::{ReportError, tables, unwritable};
+use super::{ReportError, capital, parameters, tables, unwritable};
 use crate::book::formula::mathml;
 use crate::cases::suite::{problems, suite};
 use crate::experiment::spec::Problem;
-use crate::experiment::{Judged, Refinement};
+use crate::experiment::{Judged, Refinement, Sampled};
 use crate::page::table::{Cell, Table};
 use crate::page::verdict::Verdict;
 use crate::page::{Block, Link, Page, Section, sketch};
@@ -33,7 +34,7 @@ pub fn write(judged: &Judged, all: &[Judged], folder: &Path) -> Result<(), Repor
     let known = suite().iter().find(|case| case.name == judged.case.name);
     let problem = known.map(|case| &problems()[case.problem]);
     let spec = known.and_then(|case| case.spec());
-    let mut pictures = Section::new("pictures", "Computed and exact");
+    let mut pictures = Section::new("result", "Result and error").text(format!("{}.", capital(&judged.reason)));
     for figure in comparison::curves(judged).into_iter().chain(curves::figure(judged)) {
         plots::write_svg_and_numbers(&figure, &folder)?;
         pictures = pictures.figure_in(&figure, ".", FILES);
@@ -43,6 +44,7 @@ pub fn write(judged: &Judged, all: &[Judged], folder: &Path) -> Result<(), Repor
         pictures = pictures.figure_in(&field::figure(&map), ".", crate::page::ALL_FILES);
     }
     let mut convergence = Section::new("convergence", "Convergence");
+    pictures = pictures.tables(samples(judged));
     let figure = plots::figure::Figure { name: "convergence", ..case::figure(judged) };
     plots::write_svg_and_numbers(&figure, &folder)?;
     let header = format!("{},error", case::column(judged.refined_by));
@@ -57,9 +59,11 @@ pub fn write(judged: &Judged, all: &[Judged], folder: &Path) -> Result<(), Repor
     let beside = known.map(|case| neighbours((case.name, case.problem), all)).unwrap_or_default();
     let page = Page::new(format!("{}: {}", judged.case.name, judged.case.about))
         .verdict(verdict(judged))
+        .style(STYLE)
+        .section(problem_section(judged, problem))
+        .section(exact_of(problem))
         .section(pictures)
         .section(convergence)
-        .section(problem_section(judged, problem, judged.scene.as_ref()))
         .section(numbers(judged))
         .section(again(judged, scene))
         .below("Verification suite", "../index.html")
@@ -73,7 +77,7 @@ fn verdict(judged: &Judged) -> Verdict {
         Order::NotExpected => String::new(),
         _ => format!(", order {}", judged.convergence.words()),
     };
-    let said = format!("Error {} of {} allowed{order}.", short(row.error, 3), brief(row.required_error, 3));
+    let said = format!("Error {}, tolerance {}{order}.", print(row.error, 3), print(row.required_error, 3));
     Verdict::new(row.verdict, said)
 }
 
@@ -85,35 +89,65 @@ fn neighbours((name, problem): (&str, usize), all: &[Judged]) -> Vec<Link> {
 }
 
 /// The problem of a case, with how it was run.
-fn problem_section(judged: &Judged, problem: Option<&Problem>, scene: Option<&Scene>) -> Section {
+fn problem_section(judged: &Judged, problem: Option<&Problem>) -> Section {
     let none = Problem::default();
-    let Problem { title, problem, equations, sources, .. } = problem.unwrap_or(&none);
-    section_of((title, problem), scene, equations, sources).note(format!(
+    let Problem { title, problem, .. } = problem.unwrap_or(&none);
+    problem_of((title, problem), judged.scene.as_ref()).note(format!(
         "Integrator: {}; shape functions and Darcy operator: {}.",
         judged.row.integrator, judged.row.scheme
     ))
 }
 
-/// A problem (title and words), its sketch, its equations and where they are from.
-pub fn section_of(
-    (title, words): (&str, &str),
-    scene: Option<&Scene>,
-    equations: &[String],
-    sources: &[String],
-) -> Section {
+/// The exact solution of a case: its equations, assumptions and sources.
+fn exact_of(problem: Option<&Problem>) -> Section {
+    let none = Problem::default();
+    let Problem { equations, sources, assumptions, .. } = problem.unwrap_or(&none);
+    exact_section(equations, assumptions, sources)
+}
+
+/// Sketch and parameters side by side where there is room.
+pub const STYLE: &str = "@media (min-width: 900px) {
+  :is(#scene, #problem):has(> .sketch) { display: grid; grid-template-columns: minmax(0, 27rem) minmax(0, 1fr); gap: 0 2rem; align-items: start; }
+  :is(#scene, #problem) > * { grid-column: 1 / -1; }
+  :is(#scene, #problem) > .sketch, :is(#scene, #problem) > .table + .note { grid-column: 1; }
+  :is(#scene, #problem) > .sketch + .table { grid-column: 2; grid-row: span 2; margin-top: 0.4rem; }
+}
+";
+
+/// A problem (title and words), its sketch and parameters.
+pub fn problem_of((title, words): (&str, &str), scene: Option<&Scene>) -> Section {
     let mut section = Section::new("problem", "Problem");
     if !title.is_empty() {
         section = section.with(Block::Heading(title.to_owned())).text(words.trim().replace('\n', " "));
     }
-    if let Some(scene) = scene {
-        section = section.with(Block::Html(sketch::svg(scene))).note(sketch::words(scene));
+    match scene {
+        Some(scene) => scene_section(section, scene),
+        None => section,
     }
+}
+
+/// A section with the sketch and the parameters of a scene.
+pub fn scene_section(section: Section, scene: &Scene) -> Section {
+    let section = section.with(Block::Html(sketch::svg(scene))).tables([parameters::table(scene)]);
+    section.note(sketch::words(scene))
+}
+
+/// Equations of an exact solution, what it assumes and where it is from.
+pub fn exact_section(equations: &[String], assumptions: &[String], sources: &[String]) -> Section {
+    let mut section = Section::new("exact", "Exact solution");
     for equation in equations {
         // A test renders the equations of all problems.
         let shown = mathml(equation, DisplayMode::Block).unwrap_or_else(|_| crate::page::escaped(equation));
         section = section.with(Block::Html(shown));
     }
-    section.list(sources.iter().map(|source| linked(source)).collect())
+    for (title, items) in
+        [("Assumptions", assumptions.to_vec()), ("Sources", sources.iter().map(|s| linked(s)).collect())]
+    {
+        if !items.is_empty() {
+            section = section.with(Block::Heading(title.to_owned())).list(items);
+        }
+    }
+    section
 }
 
 /// A source whose DOI is a link.
@@ -122,6 +156,28 @@ fn linked(source: &str) -> String {
         Some((before, doi)) => format!("{before}[doi:{doi}](https://doi.org/{doi})"),
         None => source.to_owned(),
     }
+}
+
+/// Most samples that a table of the page holds; `samples.csv` has all.
+const SAMPLES: usize = 12;
+
+/// The finest run beside the exact numbers at the sample times that count.
+fn samples(judged: &Judged) -> Option<Table> {
+    let counting: Vec<&Sampled> = judged.samples.iter().filter(|s| s.counts).collect();
+    let every = counting.len().div_ceil(SAMPLES).max(1);
+    let some: Vec<&Sampled> = counting.into_iter().rev().step_by(every).collect::<Vec<_>>().into_iter().rev().collect();
+    let numbers = |of: fn(&Sampled) -> f64, digits| column(&some.iter().map(|s| of(s)).collect::<Vec<_>>(), digits);
+    let (times, found) = (numbers(|s| s.time, 4), numbers(|s| s.computed, 5));
+    let (exact, errors) = (numbers(|s| s.exact, 5), numbers(|s| s.error, 2));
+    let row = |(k, s): (usize, &&Sampled)| {
+        let unit = if s.unit == "-" { String::new() } else { format!(" ({})", s.unit) };
+        let quantity = Cell::new(format!("{}{unit}", capital(&s.quantity)));
+        let cells = [&times[k], &found[k], &exact[k], &errors[k]].map(Cell::new);
+        std::iter::once(quantity).chain(cells).collect()
+    };
+    let rows: Vec<Vec<Cell>> = some.iter().enumerate().map(row).collect();
+    let head = ["quantity", "time (s)", "computed", "exact", "error"];
+    (!rows.is_empty()).then(|| Table::new("The finest run at its sample times", &head, rows, ""))
 }
 
 /// Every refinement with its order.
@@ -143,21 +199,16 @@ fn refinements(judged: &Judged) -> Table {
 
 /// What else the case says.
 fn numbers(judged: &Judged) -> Section {
-    let mut rows = vec![
-        vec![Cell::new("error"), Cell::new(short(judged.row.error, 4))],
-        vec![Cell::new("tolerance"), Cell::new(brief(judged.row.required_error, 3))],
-        vec![
-            Cell::new("accepted error"),
-            Cell::new(judged.row.baseline.map_or_else(|| "none".to_owned(), |e| short(e, 4))),
-        ],
-        vec![Cell::new("CPU time (s)"), Cell::new(short(judged.row.cpu_s, 3))],
-    ];
-    rows.extend(judged.notes.iter().map(|(what, value, unit)| {
-        let unit = if unit == "-" { String::new() } else { format!(" {unit}") };
-        vec![Cell::new(what.clone()), Cell::new(format!("{}{unit}", short(*value, 4)))]
-    }));
-    let section = Section::new("numbers", "Numbers").text(judged.reason.clone());
-    let section = section.tables([Table::new("Numbers", &["quantity", "value"], rows, "")]);
+    let row = |what: &str, value: f64, digits, unit: &str| {
+        let unit = if unit == "-" { "–" } else { unit };
+        vec![Cell::new(what), Cell::new(print(value, digits)), Cell::new(unit)]
+    };
+    let mut rows = vec![row("error", judged.row.error, 4, "-"), row("tolerance", judged.row.required_error, 3, "-")];
+    rows.extend(judged.row.baseline.map(|accepted| row("accepted error", accepted, 4, "-")));
+    rows.push(row("CPU time", judged.row.cpu_s, 3, "s"));
+    rows.extend(judged.notes.iter().map(|(what, value, unit)| row(what, *value, 4, unit)));
+    let table = Table::new("Numbers", &["quantity", "value", "unit"], rows, "");
+    let section = Section::new("numbers", "Numbers").tables([table]);
     match judged.case.mutant {
         Some(fault) => section.note(format!(
             "Mutant: {fault}. The check must find it: `mpm-verify check --mutants {}`.",

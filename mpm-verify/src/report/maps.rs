@@ -21,7 +21,9 @@ pub fn all(scene: &Scene, run: &Run) -> Vec<Field> {
     }
     let kilo = |points: &[[f64; 3]], sign: f64| points.iter().map(|p| [p[0], p[1], sign * p[2] / 1e3]).collect();
     let places = &run.places;
-    let field = run.samples.last().map_or(&[][..], |s| &s.state.field);
+    // Dry soil has no pore pressure to be shown.
+    let wet = run.samples.last().filter(|_| scene.water.is_some());
+    let field = wet.map_or(&[][..], |s| &s.state.field);
     let cells: Vec<[f64; 3]> = field.iter().map(|at| [at.x_m, at.y_m, at.pressure_pa]).collect();
     let unsaturated = is_unsaturated(scene);
     let (water, of_water, spacing) = if unsaturated {

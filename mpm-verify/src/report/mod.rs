@@ -5,7 +5,7 @@
 //! 2. [`orders`]: orders of convergence per group. [`tables`]: the CSV files. [`quantity`]: of the soil, for maps.
 //! 3. [`plots`]: one file per picture; [`plots::figure`] is what a picture is made of.
 //! 4. [`content`]: tables and words. [`study`]: the pages of the study; [`crate::page`] renders them.
-//! 5. [`suite`]: the page of the verification suite. [`solved`]: the page of one scene. [`maps`]: its soil and its water. [`vtk`]: frames of a
+//! 5. [`suite`]: the page of the verification suite. [`solved`]: the page of one scene. [`parameters`]: what a scene is made of. [`maps`]: its soil and its water. [`vtk`]: frames of a
 //!    run for ParaView. [`animation`]: frames as a page that plays them.
 //!
 //! Every picture has its numbers in a CSV beside it, written from the same [`plots::figure::Figure`].
@@ -17,6 +17,7 @@ pub mod gallery;
 pub mod maps;
 pub mod numbers;
 pub mod orders;
+pub mod parameters;
 pub mod plots;
 pub mod quantity;
 pub mod select;
@@ -110,6 +111,16 @@ pub enum ReportError {
 /// A file or folder that cannot be written.
 pub(crate) fn unwritable(path: &Path, cause: impl Into<io::Error>) -> ReportError {
     ReportError::Write { path: path.to_owned(), cause: cause.into() }
+}
+
+/// A text whose first letter is a capital, unless it begins with a symbol: `p/p_0`.
+pub(crate) fn capital(text: &str) -> String {
+    let first = text.split_whitespace().next().unwrap_or_default().trim_end_matches([',', ':']);
+    if first.len() < 2 && first != "a" || !first.chars().all(|c| c.is_ascii_alphabetic() || c == '\'' || c == '-') {
+        return text.to_owned();
+    }
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Writes a text file.

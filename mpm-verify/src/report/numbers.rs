@@ -36,6 +36,37 @@ pub fn percent(share: f64) -> String {
     short(100.0 * share, 3)
 }
 
+/// A number as in print, `digits` significant ones without zeros at their end: `0.35`, `2200`, `4.5 × 10⁻⁵`.
+pub fn print(value: f64, digits: usize) -> String {
+    if !value.is_finite() || value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        return brief(value, digits);
+    }
+    let (number, power) = parts(value, digits);
+    let number = if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { &number };
+    if number == "1" { power } else { format!("{number} × {power}") }
+}
+
+/// Digits and power of ten of a number.
+fn parts(value: f64, digits: usize) -> (String, String) {
+    let text = format!("{value:.*e}", digits.saturating_sub(1));
+    let (number, power) = text.split_once('e').unwrap_or((&text, "0"));
+    (number.replace('-', "\u{2212}"), power_of_ten(power.parse().unwrap_or(0)))
+}
+
+/// The numbers of one column of a table in one notation: all plain, or all with a power of ten; a dash for one that is not there.
+pub fn column(values: &[f64], digits: usize) -> Vec<String> {
+    let sizes = || values.iter().map(|value| value.abs()).filter(|size| *size > 0.0 && size.is_finite());
+    let plain = sizes().all(|size| (1e-3..1e6).contains(&size));
+    let text = |value: &f64| match *value {
+        value if !value.is_finite() || value == 0.0 || plain => short(value, digits),
+        value => {
+            let (number, power) = parts(value, digits);
+            format!("{number} × {power}")
+        }
+    };
+    values.iter().map(text).collect()
+}
+
 /// A power of ten as in print: `10⁻³`.
 pub fn power_of_ten(power: i32) -> String {
     const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
@@ -63,5 +94,15 @@ mod tests {
         assert_eq!(exact(3.311_459_562_248_979e-7), "3.311459562248979e-7");
         assert_eq!(exact(f64::NAN), "NaN");
         assert_eq!(power_of_ten(-12), "10⁻¹²");
+        assert_eq!(
+            [0.35, 2200.0, 4.5e-5, -1e-9, 1e7].map(|v| print(v, 3)),
+            ["0.35", "2200", "4.5 × 10⁻⁵", "\u{2212}1 × 10⁻⁹", "10⁷"]
+        );
+    }
+
+    #[test]
+    fn a_column_has_one_notation() {
+        assert_eq!(column(&[0.5, 20.0, 0.0, f64::NAN], 2), ["0.50", "20", "0", "–"]);
+        assert_eq!(column(&[0.5, 2e-9], 2), ["5.0 × 10⁻¹", "2.0 × 10⁻⁹"]);
     }
 }

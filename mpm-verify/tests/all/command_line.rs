@@ -56,16 +56,22 @@ fn every_command_ends_with_a_summary_and_the_page_that_it_wrote() {
     let (path, said) = run("solve terzaghi-quasi-static");
     assert!(path.ends_with("reports/terzaghi-quasi-static/index.html"), "{said}");
     for words in [
-        "consolidation           U = 0.9",
-        " (Terzaghi)\n",
-        "error of U              at most ",
+        "degree of consolidation 0.9",
+        "; Terzaghi)\n",
+        "error of settlement     at most ",
         " kPa at the base",
-        " mm\n",
+        " mm, exact ",
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }
     let (_, said) = run("solve dam");
-    assert!(said.contains("m3/day per m (") && said.contains("Charny") && !said.contains("settlement"), "{said}");
+    assert!(said.contains("m³/day per m (") && said.contains("; Charny)") && !said.contains("settlement"), "{said}");
+    // The gallery is on the home page, and says how far its scenes are from their exact solutions.
+    let (path, _) = run("gallery cyclic-load");
+    let read = |page: &str| std::fs::read_to_string(folder.path().join(page)).expect(page);
+    assert!(path.ends_with("reports/gallery/index.html") && read("reports/index.html").contains("gallery/index.html"));
+    let gallery = read("reports/gallery/index.html");
+    assert!(gallery.contains("Terzaghi, superposed") && gallery.contains("cyclic-load/thumbnail.svg"), "{gallery}");
     let (path, said) = run("study --mesh 0.1 --ppc 4 --integrator quasi-static --no-cost --no-sweeps");
     assert!(said.contains("runs: ") && !said.contains("stopped") && said.contains("claims: "), "{said}");
     assert_eq!(run("report").0, path);
@@ -492,7 +498,7 @@ fn a_slope_of_one_s_own_is_not_judged_as_the_paper_s_levee() {
     let page = read("index.html");
     assert!(page.contains("levee-safety.png"));
     assert!(
-        !page.to_lowercase().contains("the paper") && page.contains("Seepage and stability of a slope: own"),
+        !page.to_lowercase().contains("the paper") && page.contains("Seepage and stability of a slope: Own"),
         "{page}"
     );
     assert!(!folder.path().join("own/claims.csv").exists());

@@ -1,18 +1,25 @@
-//! Which exact solution applies to a scene, or what it lacks.
+//! Which exact solution applies to a scene, or what it lacks: the one list of them. [`solution`] asks for what a refinement can be judged on;
+//! [`Solution::of`] is what is shown beside any run of a scene.
 
 use mpm_core::scene::{
     Coupling, Dimension, Feed, Integrator, LoadOn, Scene, Side, SoilLayer, SolidSide, Start, StrainChoice, Until,
 };
 
 use super::columns::{Consolidation, DryColumn, INERTIA};
+use crate::cases::suite::{Case, problems, suite};
 use crate::error::Error;
+use crate::exact::bearing::Prandtl;
 use crate::exact::boussinesq::Wetting;
 use crate::exact::dam::Dam;
+use crate::exact::earth_pressure::Rankine;
 use crate::exact::infinite_slope::Seepage;
+use crate::exact::layered::Layered;
 use crate::exact::mandel::Mandel;
 use crate::exact::sliding::Sliding;
+use crate::exact::terzaghi::Terzaghi;
 use crate::exact::wetting_front::{Way, WettingFront};
 use crate::experiment::measure::mandel::TIME_FACTOR;
+use crate::experiment::spec::Spec;
 
 /// An exact solution.
 #[derive(Debug, Clone)]
@@ -33,6 +40,18 @@ pub enum Solution {
     Sliding(Sliding),
     /// An infinite slope whose strength is reduced until it slides: vertical depth (m) and seepage.
     Slope(f64, Seepage),
+    /// A column that consolidates in its last stage after Terzaghi, whatever its scheme.
+    Series(Terzaghi),
+    /// Terzaghi's column under one load times factors that are linear between times (s).
+    Ramps(Terzaghi, Vec<[f64; 2]>),
+    /// A column of elastic layers that consolidates in its last stage.
+    Layers(Layered),
+    /// The limit load of a strip footing.
+    Footing(Prandtl),
+    /// The thrust of soil on a smooth wall.
+    Wall(Rankine),
+    /// What the verification suite measures in this very scene: name and title of its case.
+    Suite(&'static Spec, &'static str),
 }
 
 impl Solution {
@@ -60,6 +79,24 @@ impl Solution {
             Self::Slope(depth, _) => format!(
                 "limit equilibrium of an infinite slope, plane at the depth {depth} m (strength reduced until it slides)"
             ),
+            Self::Series(_) => {
+                "Terzaghi's series with compressible water (small strain, linear elasticity, no inertia, no weight)".to_owned()
+            }
+            Self::Ramps(..) => {
+                "Terzaghi's series, superposed for a load that changes in time (small strain, linear elasticity, no inertia, no weight)"
+                    .to_owned()
+            }
+            Self::Layers(_) => {
+                "eigenfunctions of the layers (small strain, linear elasticity, no inertia, no weight)".to_owned()
+            }
+            Self::Footing(_) => {
+                "Prandtl's limit load N_c c of a strip footing (rigid-plastic soil with associated flow, no weight or no friction)".to_owned()
+            }
+            Self::Wall(wall) => {
+                let state = if wall.active { "active" } else { "passive" };
+                format!("Rankine's {state} thrust on a smooth wall (soil at yield throughout the wedge)")
+            }
+            Self::Suite(spec, title) => format!("{title} (case {} of the verification suite)", spec.name),
         }
     }
 
@@ -78,8 +115,48 @@ impl Solution {
                 vec![format!("strain of the block under its weight: {strain:.1e}, not in the solution")]
             }
             Self::Slope(..) => vec!["elasticity: moves the slope before it slides, not in the solution".to_owned()],
+            _ => Vec::new(),
         }
     }
+
+    /// Whether a scene is a column that consolidates as an exact solution without weight says.
+    pub fn consolidates(scene: &Scene) -> bool {
+        consolidation(scene).is_some()
+    }
+
+    /// The solution to show beside a run of a scene: that of consolidation in the last stage, a limit load, or what [`solution`] finds or the
+    /// verification suite measures.
+    pub fn of(scene: &Scene) -> Option<Self> {
+        consolidation(scene)
+            .or_else(|| Prandtl::of(scene).map(Self::Footing))
+            .or_else(|| Rankine::of(scene).map(Self::Wall))
+            .or_else(|| solution(scene).ok())
+            .or_else(|| suite_case(scene))
+    }
+}
+
+/// The solution of a column that consolidates in its last stage without weight; what came before it, the scheme and inertia do not matter.
+fn consolidation(scene: &Scene) -> Option<Solution> {
+    if !scene.stages.last().is_some_and(|stage| stage.drained.contains(&true)) || scene.gravity.is_some() {
+        return None;
+    }
+    let elastic = scene.is_elastic();
+    if let Some(exact) = Terzaghi::compressible(scene).filter(|_| elastic) {
+        return Some(Solution::Series(exact));
+    }
+    if let Some((exact, factors)) = Terzaghi::under_one_load(scene).filter(|_| elastic) {
+        return Some(Solution::Ramps(exact, factors));
+    }
+    Layered::of(scene).filter(|_| !scene.layers.is_empty()).map(Solution::Layers)
+}
+
+/// The first case of the verification suite that measures a scene as it is.
+fn suite_case(scene: &Scene) -> Option<Solution> {
+    let measures = |case: &'static Case| {
+        let spec = case.spec().filter(|spec| spec.measure.is_some() && spec.is_of(scene))?;
+        Some(Solution::Suite(spec, &problems()[case.problem].title))
+    };
+    suite().iter().find_map(measures)
 }
 
 /// The solution of a scene.

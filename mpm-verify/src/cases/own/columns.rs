@@ -139,6 +139,16 @@ impl Consolidation {
         vec![settled, Comparison { over_places: Norm::Rms, ..pressed }]
     }
 
+    /// Settlement at a sample time (s), m; not a number at another.
+    pub(super) fn settlement(&self, time: f64) -> f64 {
+        self.column.settlement(time) + self.added(time)
+    }
+
+    /// Pore pressure at a sample time (s) in the soil that was at a height (m) at first, without inertia, Pa; not a number at another.
+    pub(super) fn pressure(&self, height: f64, time: f64) -> f64 {
+        self.column.pressure(height, time)
+    }
+
     /// What inertia adds to the settlement at a time, m.
     fn added(&self, time: f64) -> f64 {
         self.inertia.as_ref().map_or(0.0, |(with, without)| with.settlement(time) - without.settlement(time))
@@ -332,7 +342,7 @@ impl DryColumn {
     }
 
     /// Settlement at a time (s) counted from the unloaded state, or from the first one where that bears the weight, m.
-    fn settlement(&self, scene: &Scene, time: f64) -> f64 {
+    pub(super) fn settlement(&self, scene: &Scene, time: f64) -> f64 {
         let load = scene.surcharge.map_or(0.0, |s| s.at(time));
         let at_first = if scene.start == Start::Geostatic { final_settlement(scene, 0.0) } else { 0.0 };
         match self.bar {

@@ -5,20 +5,20 @@
 //! that stays is none of the mesh. An order that is established must be that of theory, as everywhere.
 //!
 //! # Reading order
-//! 1. [`applies`]: which exact solution, or why none. 2. `columns`: what it says of a column. 3. This file: refine, run, compare.
+//! 1. [`applies`]: which exact solution, or why none. 2. `columns`: what it says of a column. 3. [`compared`]: a run beside it. 4. This file:
+//!    refine, run, judge.
 
 pub mod applies;
 mod columns;
+pub mod compared;
 
 use cpu_time::ThreadTime;
-use mpm_core::drive::Run;
 use mpm_core::scene::{Dimension, Fields, Integrator, Scene, StepChoice, StrainChoice, Until};
 use mpm_core::stability::choose_step;
 
 use self::applies::Solution;
-use super::{Error, Lacks, asked, infinite_slope, integrator, scheme};
-use crate::experiment::comparison::{Compared, Comparison};
-use crate::experiment::measure::{free_surface, mandel, sliding};
+use super::{Error, asked, infinite_slope, integrator, scheme};
+use crate::experiment::comparison::Comparison;
 use crate::experiment::refinement::{PARTICLES, Refinement, STEP, TOLERANCE};
 use crate::experiment::shared::shared;
 use crate::experiment::verdict::{Judged, Named, Outcome, judge};
@@ -165,44 +165,9 @@ impl OwnScene {
 
     /// What a run of a scene shows beside the exact solution, in shares of it.
     fn seen(&self, scene: &Scene) -> Result<Vec<Comparison>, Error> {
-        self.looks(scene, &*shared(scene)?)
-    }
-
-    fn looks(&self, scene: &Scene, run: &Run) -> Result<Vec<Comparison>, Error> {
-        let last = || run.samples.last().ok_or(Lacks("sample"));
-        // The first of a scene is its own: a fault must not move the exact solution.
-        // On a mesh of which a fault may have made one that does not fit.
+        // The exact solution is that of the scene as it is: a fault must not move it, nor the mesh that the fault may have made unfit.
         let own = self.scene.clone().altered_unchecked(|own| (own.cell, own.cells) = (scene.cell, scene.cells));
-        Ok(match &self.solution {
-            Solution::Wet(column) => column.looks(&own, run),
-            Solution::Dry(column) => column.looks(&own, run),
-            Solution::Block(exact) => {
-                vec![mandel::from_factor(mandel::looks(run, exact, 0.0), mandel::TIME_FACTOR)]
-            }
-            Solution::Front(front) => vec![relative(free_surface::front_of(&own, run, front))],
-            Solution::Mound(exact) => {
-                let mut tips = relative(free_surface::tip_of(&own, run, exact)?);
-                let far =
-                    |time: f64| exact.front(time) >= 4.0 * exact.height(0.0, time) && exact.front(time) < own.width;
-                tips.rows.iter_mut().for_each(|look| look.counts = far(look.time));
-                vec![tips]
-            }
-            Solution::Sliding(exact) => vec![sliding::way_of(run, exact)?],
-            Solution::Dam(dam) => {
-                let state = last()?.state.water.ok_or(Lacks("free surface"))?;
-                let time = last()?.stage_time;
-                let discharge = dam.discharge(own.water.map_or(f64::NAN, |w| w.hydraulic_conductivity));
-                let one = |what: &str, found: f64, exact: f64| {
-                    Comparison::worst(what, vec![Compared::one(time, found / exact, 1.0)])
-                };
-                vec![
-                    one("outflow over the discharge of the steady flow", state.outflow_m3_s, discharge),
-                    one("inflow over the discharge of the steady flow", state.inflow_m3_s, discharge),
-                    one("water over that below the free surface", state.mobile_m3, dam.stored(own.mobile_porosity())),
-                ]
-            }
-            Solution::Slope(..) => Vec::new(),
-        })
+        self.solution.compared(&own, &*shared(scene)?)
     }
 
     /// Largest error allowed, beside what the solution itself is known to.
@@ -298,17 +263,6 @@ impl OwnScene {
 /// The worst error of all that is looked at.
 fn error(looks: &[Comparison]) -> f64 {
     if looks.is_empty() { f64::NAN } else { worst(looks.iter().map(Comparison::error)) }
-}
-
-/// Numbers as shares of the exact ones.
-fn relative(mut looks: Comparison) -> Comparison {
-    for look in &mut looks.rows {
-        look.computed
-            .iter_mut()
-            .zip(&mut look.exact)
-            .for_each(|(found, exact)| (*found, *exact) = (*found / *exact, 1.0));
-    }
-    Comparison { quantity: format!("{} over the exact one", looks.quantity), unit: "-", ..looks }
 }
 
 /// Numbers of particles per cell that a scheme should not mind: one is too few for B-splines, and what errors of the fourth

@@ -5,6 +5,7 @@ use std::path::Path;
 use mpm_core::drive::{Run, Sample};
 use mpm_core::observe::SolidState;
 use mpm_core::scene::{Dimension, Scene};
+use mpm_verify::cases::own::compared::plates;
 use serde::Serialize;
 
 use crate::commands::{Failure, write_csv};
@@ -192,19 +193,6 @@ fn history(run: &Run) -> Vec<Row> {
         }
     };
     run.samples.iter().enumerate().map(row).collect()
-}
-
-/// Force on all moved plates, N: the current one, or the mean since the previous sample.
-pub fn plates(now: &Sample, before: Option<&Sample>) -> Option<[f64; 2]> {
-    let mut sum = [0.0; 2];
-    for (i, push) in now.state.plates.iter().enumerate() {
-        let then = before.map_or([0.0; 2], |before| before.state.plates[i].impulse);
-        let time = now.state.time - before.map_or(0.0, |before| before.state.time);
-        let mean = [0, 1].map(|d| if time > 0.0 { (push.impulse[d] - then[d]) / time } else { 0.0 });
-        let force = push.force.unwrap_or(mean);
-        (0..2).for_each(|d| sum[d] += force[d]);
-    }
-    (!now.state.plates.is_empty()).then_some(sum)
 }
 
 fn water(run: &Run) -> Vec<WaterLine> {

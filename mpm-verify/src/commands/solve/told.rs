@@ -4,14 +4,12 @@ use mpm_core::drive::Run;
 use mpm_core::observe::{Trust, WaterState};
 use mpm_core::scene::{Dimension, Integrator, Scene, Until};
 use mpm_core::step::Work;
-use mpm_verify::cases::own::applies::{self, Solution};
-use mpm_verify::exact::terzaghi::Terzaghi;
-use mpm_verify::exact::wetting_front::Way;
+use mpm_verify::cases::own::applies::Solution;
+use mpm_verify::cases::own::compared::{Beside, plates, share};
 use mpm_verify::norms::LATE_TV;
-use mpm_verify::report::solved::Exact;
+use mpm_verify::report::numbers::short;
 
 use super::Summary;
-use super::tables::plates;
 use crate::commands::quantities::{self, flow, force, length, percent, stress};
 
 /// Whether the last stage of an implicit run follows its waves.
@@ -21,14 +19,17 @@ fn last_stage_resolves(scene: &Scene) -> bool {
 }
 
 /// The quantities that matter, each on a line; those that are zero are left out.
-pub fn lines(scene: &Scene, run: &Run, summary: &Summary) -> Vec<String> {
+pub fn lines(scene: &Scene, run: &Run, summary: &Summary, exact: Option<&Solution>) -> Vec<String> {
     let mut lines = Vec::new();
     let mut add = |what: &str, text: String| lines.push(format!("  {what:<24}{text}"));
     let (first, last) = (run.samples.first(), run.samples.last());
     if let Some(last) = last {
         let state = &last.state;
-        consolidation(scene, run, &mut add);
-        if state.settlement != 0.0 {
+        let settles = exact.is_some_and(|exact| exact.settlement(scene, last.stage_time).is_some_and(f64::is_finite));
+        if let Some(exact) = exact {
+            beside(scene, run, exact, &mut add);
+        }
+        if state.settlement != 0.0 && !settles {
             add("settlement", length(state.settlement));
         }
         let run_out = first.map_or(0.0, |first| state.reach[0] - first.state.reach[0]);
@@ -44,7 +45,8 @@ pub fn lines(scene: &Scene, run: &Run, summary: &Summary) -> Vec<String> {
             add("force on the plates", format!("{} along x, {} along y", force(x), force(y)));
         }
         if let Some(water) = &state.water {
-            seepage(scene, water, last.stage_time, &mut add);
+            let steady = exact.is_some_and(|exact| exact.discharge(scene).is_some());
+            seepage((scene, steady), water, &mut add);
         }
         if summary.plastic_dissipation_j > 0.0 {
             add("plastic dissipation", format!("{:.3e} J", summary.plastic_dissipation_j));
@@ -91,75 +93,34 @@ fn work(run: &Run) -> String {
     }
 }
 
-/// The exact settlement of a scene that consolidates: Terzaghi's problem and its like, or Mandel's.
-fn exact(scene: &Scene) -> Option<Exact> {
-    Exact::of(scene).or_else(|| match applies::solution(scene).ok()? {
-        Solution::Block(mandel) => {
-            Some(Exact { name: "Mandel", settlement: Box::new(move |time| mandel.settlement(time)), pressure: None })
-        }
-        _ => None,
-    })
-}
-
-/// The degree of consolidation and its error, where an exact solution applies.
-fn consolidation(scene: &Scene, run: &Run, add: &mut dyn FnMut(&str, String)) {
-    let Some((exact, last)) = exact(scene).zip(run.samples.last()) else { return };
-    let column = Terzaghi::incompressible(scene);
-    let samples = run.samples.iter().filter(|s| s.observed && s.stage == last.stage && s.stage_time > 0.0);
-    let pairs: Vec<[f64; 3]> = samples
-        .map(|s| {
-            let factor = column.map_or(f64::NAN, |column| column.time_factor(s.stage_time));
-            [factor, s.state.settlement, (exact.settlement)(s.stage_time)]
-        })
-        .collect();
-    // Under a load that changes in time the settlement passes through zero: its error is relative to the largest.
-    let largest = pairs.iter().map(|[.., truth]| truth.abs()).fold(0.0, f64::max);
-    let constant = scene.surcharge.is_some();
-    let error = |[_, own, truth]: [f64; 3]| (own - truth).abs() / if constant { truth.abs() } else { largest };
-    let errors: Vec<(f64, f64)> =
-        pairs.iter().map(|pair| (pair[0], error(*pair))).filter(|(_, error)| error.is_finite()).collect();
-    let whole = (exact.settlement)(1e30);
-    if constant && whole > 0.0 {
-        let [own, truth] = [last.state.settlement, (exact.settlement)(last.stage_time)].map(|s| s / whole);
-        add("consolidation", format!("U = {own:.4}, exact {truth:.4}"));
+/// The numbers beside the exact solution, where one applies, and the largest error of the settlement.
+fn beside(scene: &Scene, run: &Run, exact: &Solution, add: &mut dyn FnMut(&str, String)) {
+    for number in exact.numbers(scene, run) {
+        let Beside { quantity, unit, computed, exact: truth } = &number;
+        let unit = if unit == "–" { String::new() } else { format!(" {unit}") };
+        let [computed, truth] = [computed, truth].map(|value| short(*value, 4));
+        add(quantity, format!("{computed}{unit}, exact {truth}{unit} ({}; {})", share(number.error()), exact.name()));
     }
+    let errors = exact.settlement_errors(scene, run);
     let Some((tv, largest)) = errors.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
-    let at = if tv.is_finite() { format!(" at Tv = {tv:.2}") } else { String::new() };
-    let late = errors.iter().filter(|(tv, _)| *tv >= LATE_TV * (1.0 - 1e-9)).map(|(_, error)| *error);
+    let at = tv.map_or_else(String::new, |tv| format!(" at Tv = {tv:.2}"));
+    let late =
+        errors.iter().filter(|(tv, _)| tv.is_some_and(|tv| tv >= LATE_TV * (1.0 - 1e-9))).map(|(_, error)| *error);
     let late = late.reduce(f64::max).map_or_else(String::new, |e| format!(", {} from Tv = {LATE_TV} on", percent(e)));
-    let (what, of) = if constant { ("error of U", "") } else { ("error of settlement", " of the largest") };
-    add(what, format!("at most {}{of}{at}{late} ({})", percent(largest), exact.name));
+    let of = if exact.final_settlement(scene).is_some() { "" } else { " of the largest" };
+    add("error of settlement", format!("at most {}{of}{at}{late}", percent(largest)));
 }
 
-/// Discharge, and what else water with a free surface does.
-fn seepage(scene: &Scene, water: &WaterState, time: f64, add: &mut dyn FnMut(&str, String)) {
-    let against = |own: f64, truth: f64, of: &str| format!(" ({} from {of})", percent(own / truth - 1.0));
-    let exact = applies::solution(scene).ok();
-    let charny = scene.water.map(|water| water.hydraulic_conductivity).zip(exact.as_ref());
-    let charny = charny.and_then(|(conductivity, exact)| match exact {
-        Solution::Dam(dam) => Some(dam.discharge(conductivity)),
-        _ => None,
-    });
+/// What water with a free surface does; its outflow stands above where the exact discharge of a steady flow is known.
+fn seepage((scene, steady): (&Scene, bool), water: &WaterState, add: &mut dyn FnMut(&str, String)) {
     let per = match scene.dimension {
         Dimension::Column => "m2",
         Dimension::PlaneStrain => "m",
         Dimension::Axisymmetric => "radian",
     };
-    for (what, value) in [("inflow", water.inflow_m3_s), ("discharge", water.outflow_m3_s)] {
-        let truth = charny.map_or_else(String::new, |truth| against(value, truth, "Charny's exact discharge"));
-        if value > 0.0 {
-            add(what, format!("{} per {per}{truth}", flow(value)));
-        }
-    }
-    if let Some(Solution::Front(front)) = &exact {
-        let place = match front.way {
-            Way::Horizontal => water.front_x_m,
-            Way::Up => water.front_y_m,
-            Way::Down => f64::NAN,
-        };
-        let truth = front.position(time);
-        if place.is_finite() {
-            add("wetting front", format!("at {}{}", length(place), against(place, truth, "Green and Ampt")));
+    for (what, value, is_new) in [("inflow", water.inflow_m3_s, true), ("outflow", water.outflow_m3_s, !steady)] {
+        if value > 0.0 && is_new {
+            add(what, format!("{} per {per}", flow(value)));
         }
     }
     add("water in the pores", format!("{:.4} m3 per {per}", water.mobile_m3));

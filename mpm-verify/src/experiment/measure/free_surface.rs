@@ -22,16 +22,21 @@ pub fn front(scene: &Scene, _: &Measure) -> Result<Compare, Error> {
 
 /// The same in a run, at the times from the first on that was asked for.
 pub(crate) fn front_of(scene: &Scene, run: &Run, exact: &WettingFront) -> Comparison {
+    let from = scene.observe_times.first().copied().unwrap_or(0.0);
+    let seen = |s: &&Sample| s.stage_time >= from * (1.0 - 1e-9);
+    let states = run.samples.iter().filter(seen).filter_map(|s| Some((s.stage_time, s.state.water?)));
+    let look =
+        |(time, water): (f64, WaterState)| Compared::one(time, place_of(scene, &water, exact), exact.position(time));
+    Comparison { unit: "m", ..Comparison::worst("place of the front", states.map(look).collect()) }
+}
+
+/// Place of the front of all the water that is in the soil, m.
+pub(crate) fn place_of(scene: &Scene, water: &WaterState, exact: &WettingFront) -> f64 {
     let section = match (scene.dimension, exact.way) {
         (Dimension::PlaneStrain, Way::Horizontal) => scene.height,
         _ => scene.width,
     };
-    let from = scene.observe_times.first().copied().unwrap_or(0.0);
-    let seen = |s: &&Sample| s.stage_time >= from * (1.0 - 1e-9);
-    let states = run.samples.iter().filter(seen).filter_map(|s| Some((s.stage_time, s.state.water?)));
-    let place = |water: WaterState| water.mobile_m3 / (water.mobile_porosity * section);
-    let look = |(time, water): (f64, WaterState)| Compared::one(time, place(water), exact.position(time));
-    Comparison { unit: "m", ..Comparison::worst("place of the front", states.map(look).collect()) }
+    water.mobile_m3 / (water.mobile_porosity * section)
 }
 
 /// Tip of the water that spreads on a level base, m: Boussinesq's lambda sqrt(k H t/n), from the level on its left.

@@ -1,4 +1,4 @@
-//! The picture of a case: its error over what was refined, the error allowed, the slope that was fitted.
+//! The picture of a case: its error over what was refined, the tolerance, the slope that was fitted.
 
 use super::axis::Axis;
 use super::figure::{Figure, Mark, Panel, Point, Series};
@@ -43,16 +43,21 @@ pub fn figure(judged: &Judged) -> Figure {
     if let Some(share) = judged.everywhere {
         let look = Look::new(BLACK, Marker::Dot).dash(Dash::Dotted).width(1.8);
         let line = [left, right].map(|h| (h, share * h));
-        panel.add(Series::line(format!("allowed everywhere, {} of it", brief(share, 3)), look, line).guide());
+        panel.add(
+            Series::line(format!("tolerance on every mesh, {} times {quantity}", brief(share, 3)), look, line).guide(),
+        );
     }
     let allowed = [left, right].map(|h| (h, judged.row.required_error));
     let look = Look::new(RED, Marker::Dot).dash(Dash::Dashed).width(1.8);
     let name =
-        if judged.errors.len() == 1 { "allowed".to_owned() } else { format!("allowed at the smallest {quantity}") };
+        if judged.errors.len() == 1 { "tolerance".to_owned() } else { format!("tolerance at the smallest {quantity}") };
     panel.add(Series::line(name, look, allowed).guide());
     Figure {
         name: judged.case.name,
-        title: format!("{}: error beside what is allowed", judged.case.name),
+        title: match judged.errors.len() {
+            1 => format!("{}: error and tolerance", judged.case.name),
+            _ => format!("{}: error over the {quantity}", judged.case.name),
+        },
         caption: caption(judged),
         height: 250.0,
         panels: vec![panel],
@@ -88,12 +93,12 @@ fn across(panel: &mut Panel) {
     panel.x.named = Some(places.iter().map(|h| (*h, brief(*h, 3))).collect());
 }
 
-/// What a single error is in parts of the one allowed.
+/// A single error as a share of the tolerance.
 fn ratio(error: f64, allowed: f64) -> String {
     match error {
         0.0 => "zero, below this axis".to_owned(),
         e if e.is_nan() => "not a number".to_owned(),
-        e => format!("{} of what is allowed", short(e / allowed, 2)),
+        e => format!("{} of the tolerance", short(e / allowed, 2)),
     }
 }
 
@@ -125,12 +130,12 @@ fn word(x: f64, y: f64, text: String) -> Series {
 }
 
 fn caption(judged: &Judged) -> String {
-    let mut words =
-        format!("{}, {}. {}: {}.", judged.row.integrator, judged.row.scheme, judged.row.verdict.word(), judged.reason);
-    if judged.errors.iter().any(|(_, e)| *e < 0.0) {
-        words.push_str(" Open markers: too small a value.");
-    }
-    words
+    let open = if judged.errors.iter().any(|(_, e)| *e < 0.0) {
+        " Open markers: the computed value is too small."
+    } else {
+        ""
+    };
+    format!("{}, {}.{open}", judged.row.integrator, judged.row.scheme)
 }
 
 #[cfg(test)]

@@ -87,6 +87,11 @@ fn is_profile(comparison: &Comparison) -> bool {
     comparison.rows.iter().any(|row| is_along(row, 0) || is_along(row, 1))
 }
 
+/// Whether the places lie along the base.
+fn is_level(comparison: &Comparison) -> bool {
+    comparison.rows.iter().filter(|row| row.places.len() > 1).all(|row| is_along(row, 1))
+}
+
 /// What is shown over time: the comparisons with one number at a time, else the samples that the case gives.
 fn samples(judged: &Judged) -> Vec<Sampled> {
     let counting = judged.samples.iter().any(|s| s.counts);
@@ -118,7 +123,7 @@ fn over_time(judged: &Judged) -> Option<Drawn> {
     let unit = samples.first().map_or("", |s| if s.unit == "-" { "" } else { &s.unit });
     let named = if unit.is_empty() { label } else { format!("{label} ({unit})") };
     let mut values = Panel::new("", time(), Axis::linear(&named, "value"));
-    let mut errors = Panel::new("", time(), Axis::linear("error as the case counts it", "error"));
+    let mut errors = Panel::new("", time(), Axis::linear("error", "error"));
     for (nth, quantity) in quantities.iter().take(6).enumerate() {
         let own: Vec<&Sampled> = samples.iter().filter(|s| s.quantity == *quantity).collect();
         let mark = if own.len() < FEW { Mark::Points } else { Mark::Line };
@@ -170,7 +175,7 @@ fn over_time(judged: &Judged) -> Option<Drawn> {
 fn profiles(comparison: &Comparison) -> Drawn {
     let rows: Vec<&Compared> = comparison.rows.iter().filter(|row| row.places.len() > 1).collect();
     let every = rows.len().div_ceil(PROFILES).max(1);
-    let level = rows.iter().all(|row| is_along(row, 1));
+    let level = is_level(comparison);
     let at = |value: f64, place: &[f64; 2]| if level { (place[0], value) } else { (value, place[1]) };
     let panel = |label: &str, column: &'static str| {
         let value = Axis::linear(label, column);
@@ -198,9 +203,9 @@ fn profiles(comparison: &Comparison) -> Drawn {
         let off = row.computed.iter().zip(&row.exact).map(|(a, b)| a - b).zip(&row.places).map(point);
         errors.add(Series::new(label, look::nth(nth).radius(2.4), Mark::LinePoints, off).unlisted());
     }
-    let over = if level { "along the base" } else { "over the height" };
+    let along = if level { "along the base" } else { "over the height" };
     Drawn {
-        what: format!("{}{unit} {over}, computed and exact", comparison.quantity),
+        what: format!("{}{unit} {along}, computed and exact", comparison.quantity),
         caption: "Markers: the finest run; lines of the same colour: the exact solution. Right: computed less exact.",
         panels: vec![values, errors],
     }
