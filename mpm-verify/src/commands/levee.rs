@@ -257,7 +257,7 @@ fn factors(options: &Options, common: &Common, plan: &Plan, folder: &Path) -> Re
         common.say(&format!("warning: {warning}"));
     }
     if options.no_run {
-        safety::picture(&lines, None, folder).map_err(Failure::run_failed)?;
+        safety::picture(&lines, None, "", folder).map_err(Failure::run_failed)?;
     }
     Ok(())
 }

@@ -18,9 +18,9 @@ use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
 use crate::page::verdict::{Counts, State, Tally, Verdict};
 use crate::page::{Block, Image, Page, Section, escaped};
-use crate::report::ReportError;
 use crate::report::animation::{self, Player};
 use crate::report::numbers::short;
+use crate::report::{ReportError, solved};
 
 /// Looks of the headline numbers.
 const STYLE: &str = ".facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(10.4rem, 1fr)); gap: 0.6rem; margin: 0.8rem 0; }
@@ -109,8 +109,9 @@ pub fn write(parts: Parts, (known, folder): (&Path, &Path)) -> Result<(), Report
     let summary_of_frames = player.map(|player| Block::Note(player.summary));
     let headline = (!facts.is_empty()).then(|| Block::Html(cards(&facts)));
     let first = Section { id: "run".to_owned(), ..Section::default() };
-    let first = [headline, moving, summary_of_frames].into_iter().flatten().fold(first, Section::with);
     let tallies = counted.map(|counts| Tally::new("Claims on the levee", counts));
+    // The moving picture is what is seen without scrolling.
+    let first = [moving, headline, summary_of_frames].into_iter().flatten().fold(first, Section::with);
     let report = Report::new(if papers { Kind::Levee } else { Kind::Scene })
         .counts(tallies)
         .picture("levee.png", "Water seeps through the soil until its slope fails, as an animation");
@@ -164,7 +165,13 @@ fn cards(facts: &[Fact]) -> String {
 fn title(plan: &Plan, summary: &Summary) -> String {
     let variant = summary.variant.as_ref().map_or_else(String::new, |name| format!(", variant {name}"));
     let subject = if plan.papers() { "Seepage failure of a levee" } else { "Seepage and stability of a slope" };
-    format!("{subject}: {}{variant}", plan.scene.name)
+    // The scene that is called as its subject adds nothing to the title.
+    let name = if subject.ends_with(&plan.scene.name) {
+        String::new()
+    } else {
+        format!(": {}", solved::title(&plan.scene.name))
+    };
+    format!("{subject}{name}{variant}")
 }
 
 fn counts(claims: &[Claim]) -> Counts {

@@ -236,13 +236,43 @@ pub fn implied(lines: &[Line]) -> Option<String> {
     ))
 }
 
-/// Draws them, with the events of the run.
+/// The variant whose base keeps the friction that it starts with.
+const KEEPS_FRICTION: &str = "base-30";
+
+/// Why a levee on a base that weakens with slip fails before its factor of safety is 1, from the numbers of the run, its factors and variants;
+/// `None` where it does not.
+pub fn why_earlier(
+    scene: &Scene,
+    lines: &[Line],
+    fails_h: Option<f64>,
+    variants: &[super::sensitivity::Line],
+) -> Option<String> {
+    let (from, fails, base) = (fails_between(lines)[0]?, fails_h?, scene.base?);
+    let over = base.slip_distance.filter(|_| base.residual_angle < base.peak_angle && fails < from)?;
+    let toe_fails = |name: &str| variants.iter().find(|line| line.variant == name)?.raveling_h;
+    let kept = toe_fails(KEEPS_FRICTION).zip(toe_fails("base")).map_or_else(String::new, |(kept, weakens)| {
+        format!(
+            " With a base that keeps {}° the toe fails at {kept:.1} h in place of {weakens:.1} h (both from the variants).",
+            brief(base.peak_angle, 3)
+        )
+    });
+    Some(format!(
+        "Why the toe fails (E1) at {fails:.1} h although the factor falls to 1 only at {from:.1} h: the factor is that of a base that keeps its friction \
+         of {}°, since slip is frozen in its trials. In the run the base weakens to {}° over {} mm of slip, so that the first slip grows by itself.{kept}",
+        brief(base.peak_angle, 3),
+        brief(base.residual_angle, 3),
+        brief(1e3 * over, 3),
+    ))
+}
+
+/// Draws them, with the events of the run and why these come before the factor is 1.
 ///
 /// # Errors
 /// A file that cannot be written or drawn.
 pub fn picture(
     lines: &[Line],
     happened: Option<&mpm_core::failure::Events>,
+    why: &str,
     folder: &Path,
 ) -> Result<Picture, ReportError> {
     let curve = |of: fn(&Line) -> Option<f64>| lines.iter().filter_map(|l| Some((l.time_h, of(l)?))).collect();
@@ -258,6 +288,7 @@ pub fn picture(
         bishop: curve(|l| l.bishop),
         spencer: curve(|l| l.spencer),
         spencer_davis: curve(|l| l.spencer_davis),
+        why: why.to_owned(),
     };
     let events = happened.map(events).unwrap_or_default();
     let svg = plot::write(&safety, &events, folder)?;
@@ -319,5 +350,30 @@ mod tests {
         let late = implied(&lines[..2]).expect("a time");
         assert!(late.ends_with("to after the last time (the full strength)"), "{late}");
         assert_eq!(implied(&lines[..1]), None);
+    }
+
+    #[test]
+    fn it_is_said_why_a_levee_on_a_base_that_weakens_fails_before_its_factor_is_one() {
+        let scene = crate::scenes::built_in("levee").expect("a scene");
+        let at = |time_h: f64, davis: f64| {
+            let found = Found { low: davis - 0.005, high: davis + 0.005, trials: 0, steps: 0, undecided: None };
+            line(time_h, &[found; 3])
+        };
+        let lines = [at(10.0, 1.03), at(12.0, 0.93)];
+        let variant = |name: &str, hours: f64| {
+            let line = crate::levee::sensitivity::Line::named(name, "", "");
+            crate::levee::sensitivity::Line { raveling_h: Some(hours), ..line }
+        };
+        let variants = [variant("base", 10.34), variant("base-30", 11.18)];
+        let why = why_earlier(&scene, &lines, Some(9.89), &variants).expect("a reason");
+        for part in ["at 9.9 h", "only at 10.6 h", "friction of 30°", "8.5° over 20 mm", "11.2 h in place of 10.3 h"]
+        {
+            assert!(why.contains(part), "{part}: {why}");
+        }
+        assert_eq!(why_earlier(&scene, &lines, Some(11.0), &variants), None);
+        let keeps = scene.edited(|scene| {
+            scene.base = scene.base.map(|base| mpm_core::scene::Base { residual_angle: base.peak_angle, ..base })
+        });
+        assert_eq!(why_earlier(&keeps.expect("a scene"), &lines, Some(9.89), &variants), None);
     }
 }

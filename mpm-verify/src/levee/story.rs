@@ -12,8 +12,8 @@ use super::strength::Strength;
 /// Most points of a curve: about one per px.
 const MOST: usize = 500;
 
-/// The lists, for JSON. `runout_side` is 1 where the toe looks towards +x, else -1.
-pub fn of(plan: &Plan, run: &Followed, factors: &[safety::Line], runout_side: f64) -> Value {
+/// The lists, for JSON. `runout_side` is 1 where the toe looks towards +x, else -1; `why` is said beside the factors of safety.
+pub fn of(plan: &Plan, run: &Followed, (factors, why): (&[safety::Line], &str), runout_side: f64) -> Value {
     let rows = thinned(&run.rows);
     let first_toe = run.rows.first().map_or(0.0, |row| row.toe_x_m);
     let column = |of: &dyn Fn(&Row) -> f64| rows.iter().map(|row| number(of(row))).collect::<Vec<_>>();
@@ -48,6 +48,8 @@ pub fn of(plan: &Plan, run: &Followed, factors: &[safety::Line], runout_side: f6
         "paths": paths(&run.paths),
         "strength": Strength::of(&plan.scene).map(|s| json!({"c": s.cohesion_kpa, "phi": s.friction_deg})),
         "factors": factors.collect::<Vec<_>>(),
+        "why": why,
+        "failure": run.events.failure_h.map(|h| 3600.0 * h),
         // Without this from the first slip on, curves of hours would hide the seconds of failure.
         "onset": run.events.unsettled_h.or(run.events.raveling_h).map(|h| 3600.0 * h),
     })

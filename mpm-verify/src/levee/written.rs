@@ -62,8 +62,9 @@ pub fn write(
     let runs: Vec<ensemble::Line> = tables::stored(&known.join(ensemble::NAME), &word, &mut others)?;
     let samples: Vec<probability::Line> = tables::stored(&known.join(probability::NAME), &word, &mut others)?;
     let mut further = Vec::new();
+    let why = safety::why_earlier(scene, &factors, run.events.raveling_h, &variants).unwrap_or_default();
     if !factors.is_empty() {
-        pictures.push(safety::picture(&factors, Some(&run.events), &plots)?);
+        pictures.push(safety::picture(&factors, Some(&run.events), &why, &plots)?);
         further.push(safety::shown(&factors));
     }
     if !runs.is_empty() {
@@ -99,7 +100,7 @@ pub fn write(
     let player = match run.shots.is_empty() || run.rows.is_empty() {
         true => None,
         false => {
-            let beside = story::of(plan, run, &factors, side);
+            let beside = story::of(plan, run, (&factors, &why), side);
             Some(Player::new(&site, &run.shots, &beside).map_err(|e| unwritable(&folder.join("index.html"), e))?)
         }
     };

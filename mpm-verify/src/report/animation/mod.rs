@@ -26,6 +26,8 @@ pub const STYLE: &str = include_str!("player.css");
 const SCRIPT: &str = include_str!("player.js");
 /// Bytes of text that the frames of a page may take; of more, fewer frames are shown.
 const MOST: usize = 1_000_000;
+/// Time before an event within which a frame counts as that of the event, s.
+const NEAR: f64 = 0.05;
 /// Width of the tank that is shown beside the soil, m.
 pub(crate) const TANK: f64 = 0.7;
 
@@ -74,7 +76,11 @@ impl Player {
             json!({"time": shot.time_s, "clock": clock(shot.time_s), "phase": shot.phase, "level": level,
                 "solid": shot.frame.solid.len(), "water": shot.frame.water.len()})
         });
+        // At the moment of failure, or at the end where there is none.
+        let opens =
+            story["failure"].as_f64().and_then(|failure| kept.iter().position(|shot| shot.time_s >= failure - NEAR));
         let model = json!({
+            "opens": opens.unwrap_or(kept.len().saturating_sub(1)),
             "window": window,
             "edge": map::edge(shots.first().map(|shot| &shot.frame)),
             "outline": site.outline,
@@ -152,6 +158,21 @@ mod tests {
         let few = Player::within(&site(), &shots, &json!({}), 40_000).expect("a player");
         assert!(few.data.len() <= 40_000 && few.summary.contains(" of 90 from"), "{}", few.summary);
         assert!(Player::new(&site(), &[], &json!({})).expect("a player").summary.contains("There are no frames."));
+    }
+
+    #[test]
+    fn it_opens_at_the_moment_of_failure() {
+        let shots = made_up::shots(20, 40);
+        let opens = |story: Value| {
+            let player = Player::new(&site(), &shots, &story).expect("a player");
+            let model: Value = serde_json::from_str(&player.model.replace("\\u003c", "<")).expect("a model");
+            let frame = model["opens"].as_u64().expect("a frame") as usize;
+            model["frames"][frame]["time"].as_f64().expect("a time")
+        };
+        assert_eq!(opens(json!({})), shots[59].time_s);
+        let failure = shots[33].time_s;
+        assert!((opens(json!({ "failure": failure })) - failure).abs() < NEAR);
+        assert!(SCRIPT.contains("let now = Math.min(last, model.opens);"));
     }
 
     #[test]

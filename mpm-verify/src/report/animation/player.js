@@ -45,7 +45,8 @@
   // ---- state ----
 
   const last = frames.length - 1;
-  let now = last;
+  // It opens at the moment of failure.
+  let now = Math.min(last, model.opens);
   let pointed = null;
   let playing = null;
   let printing = false;
@@ -446,6 +447,13 @@
     });
   } else {
     sections.safety.innerHTML = "<figcaption><b>Factor of safety</b></figcaption><p class=\"note\">Not computed for this run. To compute it: <code>mpm-verify levee --safety-factor 6,8,10,12,14,18</code></p>";
+  }
+
+  if (factors.length > 0 && story.why) {
+    const note = document.createElement("p");
+    note.className = "note";
+    note.textContent = story.why;
+    sections.safety.append(note);
   }
 
   function drawSafety() {

@@ -24,6 +24,9 @@ use crate::report::{ReportError, save, unwritable};
 /// Name of a collection and of its folder, ending of its files, the data set of a frame, whether a frame has some of it.
 type Part = (&'static str, &'static str, fn(&Frame) -> Vtk, fn(&Frame) -> bool);
 
+/// Name of an array and its values.
+type Scalar = (&'static str, fn(&SolidState) -> f64);
+
 /// What is written.
 const PARTS: [Part; 3] = [
     ("solid", "vtp", layers::solid, |_| true),
@@ -60,12 +63,12 @@ pub fn write(shots: &[Shot], folder: &Path) -> Result<(), ReportError> {
 
 /// The state script for these frames.
 fn view(shots: &[Shot]) -> String {
-    let ranges: [(&str, fn(&SolidState) -> f64); 3] =
+    let ranges: [Scalar; 3] =
         [(layers::STRAIN, |p| p.deviator_strain), (layers::PRESSURE, |p| p.pore_pressure), (layers::MEAN, mean_stress)];
     let is_known = |of: fn(&SolidState) -> f64| shots.iter().any(|s| s.frame.solid.iter().any(|p| of(p).is_finite()));
     let known: Vec<_> = ranges.into_iter().filter(|(_, of)| is_known(*of)).collect();
     let shown = known.first().map_or(layers::MEAN, |(name, _)| *name);
-    let row = |(name, of): &(&str, fn(&SolidState) -> f64)| {
+    let row = |(name, of): &Scalar| {
         let (low, high) = quantity::range(shots, *of);
         format!("    \"{name}\": ({low:?}, {high:?}),\n")
     };

@@ -38,6 +38,8 @@ pub struct Safety {
     pub spencer: Vec<(f64, f64)>,
     /// The same with Davis' reduced strength.
     pub spencer_davis: Vec<(f64, f64)>,
+    /// Why the slope fails before its factor is 1, if it does.
+    pub why: String,
 }
 
 /// Width (an estimate, for the names of events alone) and height of the frame, px.
@@ -101,12 +103,13 @@ pub fn figure(safety: &Safety, events: &[Event]) -> Figure {
         label(&mut panel, (x, high - (14.0 + 18.0 * place as f64) / unit.1), event.name.clone(), unit);
     }
     let tail = if events.is_empty() { String::new() } else { format!(" {}.", said(events)) };
+    let why = if safety.why.is_empty() { String::new() } else { format!(" {}", safety.why) };
     Figure {
         name: "levee-safety",
         title: "Factor of safety over time".to_owned(),
         caption: format!(
             "The strength is divided by a factor: bars reach from the largest with which the slope stood to the \
-             smallest with which it failed. Lines: closed forms with the same water.{tail}"
+             smallest with which it failed. Lines: closed forms with the same water.{tail}{why}"
         ),
         height: HEIGHT,
         panels: vec![panel],
@@ -163,6 +166,7 @@ mod tests {
             bishop: line(1.45, 0.15).collect(),
             spencer: line(1.5, 0.15).collect(),
             spencer_davis: line(1.3, 0.15).collect(),
+            why: String::new(),
         }
     }
 
