@@ -73,7 +73,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         .publish("stability", &["index.html", "stability.json"], |folder| measure(options, common, folder.stage()))?;
     common.json(&findings);
     let counts = report::stress::counts(findings.matrix.iter().map(|row| row.verdict)).words();
-    common.say(&format!("{counts}, of {} schemes in stress tests", findings.matrix.len()));
+    common.say(&format!("{counts} of {} schemes in stress tests", findings.matrix.len()));
     findings.degraded_defaults.iter().for_each(|line| common.say(line));
     if !findings.map.is_empty() {
         let (groups, off) = (findings.map.len(), findings.map_troubles.len());

@@ -443,16 +443,17 @@ fn profiles(solved: &Solved) -> Option<Figure> {
     })
 }
 
+/// Smallest and largest residual over its tolerance that are shown.
+const RESIDUALS: (f64, f64) = (1e-9, 10.0);
+
 /// The residual of every balance over its tolerance.
 fn balance_residuals(scene: &Scene, run: &Run) -> Option<Figure> {
     run.trust?;
     let mut names: Vec<&'static str> = Vec::new();
     let (label, column, seconds) = unit(run);
-    let mut panel = Panel::new(
-        "",
-        Axis::linear(label, column),
-        Axis::log("residual / tolerance", "residual_over_tolerance").range(1e-9, 10.0),
-    );
+    let (least, most) = RESIDUALS;
+    let residual = Axis::log("residual / tolerance", "residual_over_tolerance").range(least, most);
+    let mut panel = Panel::new("", Axis::linear(label, column), residual);
     let all: Vec<(f64, Vec<_>)> = run
         .samples
         .iter()
@@ -464,21 +465,29 @@ fn balance_residuals(scene: &Scene, run: &Run) -> Option<Figure> {
             names.push(balance.name);
         }
     }
+    let mut below = Vec::new();
     for (nth, name) in names.iter().enumerate() {
         let of = |(time, balances): &(f64, Vec<mpm_core::observe::Balance>)| {
             let balance = balances.iter().find(|balance| balance.name == *name)?;
-            let share = (balance.gap / balance.allowed).abs();
-            Some((*time, if balance.gap == 0.0 { 1e-9 } else { share.clamp(1e-9, 10.0) }))
+            let share = if balance.gap == 0.0 { 0.0 } else { (balance.gap / balance.allowed).abs() };
+            Some((*time, share.clamp(least, most)))
         };
-        panel.add(Series::line(*name, look::nth(nth), all.iter().filter_map(of)));
+        let points: Vec<(f64, f64)> = all.iter().filter_map(of).collect();
+        if points.iter().all(|(_, share)| *share == least) {
+            below.push(*name);
+        } else {
+            panel.add(Series::line(*name, look::nth(nth), points));
+        }
     }
     let ends = all.first().zip(all.last()).map(|(first, last)| [first.0, last.0])?;
     let bound = Look::new(GREY, Marker::Dot).dash(Dash::Dashed).width(1.2);
     panel.add(Series::line("tolerance", bound, ends.map(|time| (time, 1.0))).guide());
+    let closed =
+        if below.is_empty() { String::new() } else { format!(" Below {least:e} throughout: {}.", below.join(", ")) };
     Some(Figure {
         name: "plot-balances",
         title: "Balance residuals over time".to_owned(),
-        caption: "A balance whose residual is above the dashed line is open; the run then fails.".to_owned(),
+        caption: format!("A balance whose residual is above the dashed line is open; the run then fails.{closed}"),
         height: 220.0,
         panels: vec![panel],
         missing: Vec::new(),

@@ -158,8 +158,9 @@ fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
     let decades = (high / low).log10();
     let sparse = (decades / 7.0).ceil().max(1.0) as i32;
     let text = |multiple: i32, power: i32| {
-        let shown =
-            (multiple == 1 && power % sparse == 0) || (decades < 2.6 && [2, 5].contains(&multiple)) || decades < 0.7;
+        let shown = (multiple == 1 && power % sparse == 0)
+            || (decades < 2.6 && [2, 5].contains(&multiple))
+            || (decades < 0.7 && ![7, 9].contains(&multiple));
         match (shown, multiple) {
             (true, 1) if !(-3..=3).contains(&power) => power_of_ten(power),
             (true, _) => short(f64::from(multiple) * 10f64.powi(power), 1),
