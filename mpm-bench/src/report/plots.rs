@@ -2,7 +2,7 @@
 
 use mpm_verify::report::plots::axis::Axis;
 use mpm_verify::report::plots::figure::{Figure, Mark, Panel, Point, Series, share_x, share_y};
-use mpm_verify::report::plots::look::{BLACK, BLUE, Dash, GREEN, GREY, Look, Marker, ORANGE, PURPLE, RED};
+use mpm_verify::report::plots::look::{BLACK, BLUE, Dash, GREEN, GREY, Look, Marker, ORANGE, PURPLE, RED, SKY};
 use mpm_verify::report::plots::schemes::LOOKS;
 
 use super::{Findings, kernel};
@@ -28,15 +28,16 @@ pub fn figures(findings: &Findings) -> Vec<Figure> {
     figures
 }
 
-/// Comparison of the integrators, the same in every picture that compares them.
+/// Look of an integrator, the same in every picture that compares them.
 fn look_of(integrator: &str) -> Look {
     match integrator {
         "explicit" => Look::new(ORANGE, Marker::Down),
         "semi-implicit" => Look::new(GREEN, Marker::Up),
         "quasi-static" => Look::new(BLUE, Marker::Circle),
         moving if moving.ends_with(MOVING) => {
-            let marker = if moving.starts_with("implicit") { Marker::Diamond } else { Marker::Right };
-            Look::new(PURPLE, marker).dash(Dash::Dotted)
+            let (colour, marker) =
+                if moving.starts_with("implicit") { (SKY, Marker::Diamond) } else { (PURPLE, Marker::Right) };
+            Look::new(colour, marker).dash(Dash::Dotted)
         }
         _ => Look::new(RED, Marker::Square).dash(Dash::Dashed),
     }
@@ -71,21 +72,23 @@ fn fronts(points: &[(&Row, (f64, f64))], peers: &[Peer]) -> Figure {
         let own = of(points, |r| r.integrator == name);
         panel.add(Series::new(label, look_of(&name).radius(3.4), Mark::LinePoints, front_of(&own)));
     }
-    let mut named: Vec<&str> = Vec::new();
-    let known = peers.iter().filter_map(|p| {
-        let error = p.max_error_compressible.or(p.max_error_terzaghi)?;
-        let is_new = !named.contains(&p.peer.as_str());
-        named.push(&p.peer);
-        let name = if is_new { p.peer.as_str() } else { "" };
-        Some(Point::new(p.cpu_s(), error).note(name).open(p.max_error_compressible.is_none()))
-    });
-    let known: Vec<Point> = known.collect();
-    panel.add(Series::new(
-        "other codes, measured elsewhere",
-        Look::new(BLACK, Marker::Star).radius(4.5),
-        Mark::Points,
-        known,
-    ));
+    let mut codes: Vec<&str> = Vec::new();
+    for peer in peers {
+        if !codes.contains(&peer.peer.as_str()) {
+            codes.push(&peer.peer);
+        }
+    }
+    for (number, code) in codes.into_iter().flat_map(|code| [code; 2]).enumerate() {
+        // Errors relative to Terzaghi are no part of the other front.
+        let open = number % 2 == 1;
+        let own = peers.iter().filter(|p| p.peer == code && p.max_error_compressible.is_none() == open);
+        let own: Vec<(f64, f64)> =
+            own.filter_map(|p| Some((p.cpu_s(), p.max_error_compressible.or(p.max_error_terzaghi)?))).collect();
+        let points = front_of(&own).into_iter().enumerate();
+        let points = points.map(|(place, point)| point.open(open).note(if place == 0 { code } else { "" }));
+        let look = Look::new(BLACK, Marker::Star).radius(4.5).width(0.8).dash(Dash::Dotted);
+        panel.add(Series::new("other codes, measured elsewhere", look, Mark::LinePoints, points));
+    }
     // Room for the names of slow codes.
     share_x(std::slice::from_mut(&mut panel));
     panel.x.range = panel.x.range.map(|(start, end)| (start, 6.0 * end));
