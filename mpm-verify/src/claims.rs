@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::norms::{largest, relative};
+use crate::report::numbers::percent;
 use crate::study::{CaseResult, Variant, shown_family};
 
 /// What became of a claim.
@@ -222,8 +223,11 @@ fn error_falls_with_mesh(runs: &Runs) -> Judged {
             pairs += 1;
             if b.max_error_terzaghi >= a.max_error_terzaghi {
                 let which = format!(
-                    "{} to {} m with {ppc} per cell ({:.2e} to {:.2e})",
-                    pair[0], pair[1], a.max_error_terzaghi, b.max_error_terzaghi
+                    "{} to {} m with {ppc} per cell ({} to {} %)",
+                    pair[0],
+                    pair[1],
+                    percent(a.max_error_terzaghi),
+                    percent(b.max_error_terzaghi)
                 );
                 if pair[1] >= PAPER_MESH - 1e-9 { coarse.push(which) } else { fine.push(which) }
             }
@@ -292,8 +296,8 @@ impl Trend {
 fn trend(runs: &Runs, error: fn(&CaseResult) -> f64) -> Option<(String, Trend)> {
     let errors: Option<Vec<f64>> = runs.particles().iter().map(|ppc| runs.get(FINEST, *ppc).map(error)).collect();
     let errors = errors.filter(|e| e.len() >= 2)?;
-    let text: Vec<String> = errors.iter().map(|e| format!("{e:.3e}")).collect();
-    Some((text.join(", "), Trend::of(&errors)))
+    let text: Vec<String> = errors.iter().map(|e| percent(*e)).collect();
+    Some((format!("{} %", text.join(", ")), Trend::of(&errors)))
 }
 
 fn opposite_trend(runs: &Runs) -> Judged {

@@ -8,6 +8,8 @@ use pulldown_latex::config::DisplayMode;
 use super::{Error, formula, links};
 use crate::page::{Block, Section, escaped};
 
+/// A cell with more characters than these has sentences, which need a broad column.
+const SENTENCES: usize = 80;
 /// A cell with more characters than these is text, not a number.
 const LONG_CELL: usize = 24;
 
@@ -62,6 +64,7 @@ pub fn sections(markdown: &str, reports: &Path) -> Result<Vec<Section>, Error> {
                 rows.push(Event::End(TagEnd::Table));
                 let table =
                     pushed(rows).replacen("<table>", if words { "<table class=\"words\">" } else { "<table>" }, 1);
+                let table = with_long_cells(&table);
                 let table = table.replace("<th>", "<th scope=\"col\">").replace("<th scope=\"col\"></th>", "<td></td>");
                 let class = if table.matches("<tr>").count() > LONG_TABLE { "box long" } else { "box" };
                 let label = format!("Table: {}, scrollable", escaped(title));
@@ -121,6 +124,18 @@ fn pushed(events: Vec<Event<'_>>) -> String {
     let mut html = String::new();
     html::push_html(&mut html, events.into_iter());
     html
+}
+
+/// A table whose cells of sentences are marked, as those of the reports are.
+fn with_long_cells(table: &str) -> String {
+    let mut parts = table.split("<td>");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |table, part| {
+        let cell = part.split("</td>").next().unwrap_or_default();
+        let words: usize =
+            cell.split('<').map(|text| text.rsplit('>').next().unwrap_or_default().chars().count()).sum();
+        table + if words > SENTENCES { "<td class=\"text\">" } else { "<td>" } + part
+    })
 }
 
 /// The texts of the cells of a table.

@@ -5,6 +5,7 @@
 //! systems are solved, or a path is chaotic (soil that slides), more may move without anyone having changed the program.
 
 use super::part::Measured;
+use crate::book::anchor;
 use crate::levee::limits::Limit;
 use crate::levee::summary::Summary as LeveeSummary;
 use crate::report::orders;
@@ -48,7 +49,7 @@ fn of_study(results: &[CaseResult], sweeps: &Sweeps) -> Vec<Number> {
             relative: LAST_DIGITS,
             absolute: if explicit { 0.0 } else { SOLVED.max(r.tolerance.unwrap_or(0.0)) },
         };
-        let page = format!("accuracy/cases.html#{}", r.case);
+        let page = format!("accuracy/cases.html#{}", anchor(&r.case));
         let error = |quantity, value| Number::new(&r.case, quantity, Label::Verified, value, tolerance).at(&page);
         measures.push(error("max_error_terzaghi", r.max_error_terzaghi));
         measures.push(error(ERROR, r.max_error_compressible));

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::book::anchor;
+
 use crate::verdict::State;
 
 /// A table.
@@ -85,9 +87,9 @@ impl Cell {
         Self { small: small.into(), ..self }
     }
 
-    /// With an anchor that links lead to.
-    pub fn anchored(self, id: &str) -> Self {
-        Self { id: id.to_owned(), ..self }
+    /// With the anchor of a name, which links lead to.
+    pub fn anchored(self, name: &str) -> Self {
+        Self { id: anchor(name), ..self }
     }
 
     /// With a link.

@@ -172,15 +172,10 @@ impl Of<'_> {
 
     fn paper(&self, folder: &Path) -> Page {
         let items = paper::items(&self.study.claims, folder);
-        let known = items.iter().filter(|item| !item.verdicts.is_empty()).count();
         let lead = "Known of the paper is its text, with its tables and the captions of its figures. Where only a figure holds the numbers, \
                     they are \"not available\". Every picture here is of this program.";
         let counts = paper::counts(&items);
-        let sentence = format!(
-            "{known} of {} figures, tables and passages carry a claim that is checked: {}.",
-            items.len(),
-            counts.words()
-        );
+        let sentence = format!("Of {} claims of the paper and of the experiment {}.", counts.total(), counts.words());
         let claims = Section::new("items", "Claims of the paper").index(paper::table(&items));
         let page = Page::new("The paper side by side")
             .verdict(Verdict::new(counts.state(), sentence))

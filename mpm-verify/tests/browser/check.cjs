@@ -75,6 +75,7 @@ async function unseen(page) {
         if (seen.wide > 0) say(`scrolls sideways by ${seen.wide} px`);
         if (seen.cells.length) say(`cells of long text in narrow columns: ${seen.cells}`);
         if (seen.tables.length && width === 1440) say(`tables wider than their boxes: ${seen.tables}`);
+        await page.evaluate(() => document.querySelectorAll('details').forEach(details => details.open = true));
         if (width === 1440 && theme === 'light') for (const label of await unseen(page)) say(`in the legend and nowhere to be seen: ${label}`);
         if (seen.high > 12000 && width === 1440) say(`${seen.high} px high, at most 12 000`);
         if (seen.hidden) say(`${seen.hidden} verdicts are off the screen`);

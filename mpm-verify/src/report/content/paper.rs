@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use crate::book::anchor;
 use crate::claims::{Claim, Verdict};
 use crate::files::STAGE;
 use crate::page::table::{Cell, Table};
@@ -129,7 +130,7 @@ pub fn counts(items: &[Item]) -> Counts {
 pub fn table(items: &[Item]) -> Table {
     let mut rows = Vec::new();
     for item in items {
-        let name = || Cell::new(item.item.clone()).linked(&format!("#{}", anchor(item)));
+        let name = || Cell::new(item.item.clone()).linked(&format!("#{}", anchor(&item.item)));
         for claim in &item.verdicts {
             rows.push(vec![
                 name(),
@@ -146,10 +147,6 @@ pub fn table(items: &[Item]) -> Table {
     Table::new("The paper and ours", &head, rows, "").words()
 }
 
-fn anchor(item: &Item) -> String {
-    item.item.to_lowercase().replace([' ', ':', '.', '='], "-")
-}
-
 /// A section for every item: what the paper's text says of it, and ours.
 pub fn sections(items: &[Item], figures: &[Figure]) -> Vec<Section> {
     let section = |item: &Item| {
@@ -161,7 +158,7 @@ pub fn sections(items: &[Item], figures: &[Figure]) -> Vec<Section> {
         ];
         let terms = terms.map(|(name, text)| (name.to_owned(), text.to_owned())).to_vec();
         let picture = item.picture.iter().filter_map(|picture| block(picture, item, figures));
-        picture.fold(Section::new(&anchor(item), &item.item).with(Block::Terms(terms)), Section::with)
+        picture.fold(Section::new(&anchor(&item.item), &item.item).with(Block::Terms(terms)), Section::with)
     };
     items.iter().map(section).collect()
 }

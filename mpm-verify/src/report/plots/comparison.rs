@@ -49,7 +49,8 @@ pub fn fields(judged: &Judged) -> Vec<Field> {
         let all = || row.places.iter().map(|place| place[axis]);
         all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
     };
-    let spacing = (extent(0) * extent(1) / count).sqrt();
+    // Places are in the middle of what they stand for: one less than there are lies between the first and the last.
+    let spacing = (extent(0) * extent(1)).sqrt() / (count.sqrt() - 1.0);
     let range = |values: &[f64]| {
         (values.iter().copied().fold(f64::INFINITY, f64::min), values.iter().copied().fold(f64::NEG_INFINITY, f64::max))
     };
