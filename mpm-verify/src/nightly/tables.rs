@@ -19,8 +19,8 @@ pub fn moved(moved: &[&Moved], folder: &Path) -> Table {
         let (date, commit) = m.since.split_once(' ').unwrap_or((&m.since, ""));
         vec![
             Cell::new(m.case.clone()).linked(&existing(&m.page, folder)),
-            Cell::new(m.quantity.clone()),
             Cell::new(percent(m.share())).marked(m.direction.word(), m.direction.mark()),
+            Cell::new(m.quantity.clone()),
             Cell::new(number(m.was)),
             Cell::new(number(m.is)),
             Cell::new(format!("{:.1e}", m.tolerance)),
@@ -28,7 +28,7 @@ pub fn moved(moved: &[&Moved], folder: &Path) -> Table {
         ]
     };
     let rows = moved.iter().take(LISTED).map(row).collect();
-    let head = ["case", "quantity", "change", "accepted", "tonight", "may move by", "since"];
+    let head = ["case", "change", "quantity", "accepted", "tonight", "may move by", "since"];
     let note = if moved.len() > LISTED { format!("And {} more.", moved.len() - LISTED) } else { String::new() };
     table(String::new(), &head, rows, &note)
 }

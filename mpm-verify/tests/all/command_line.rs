@@ -271,7 +271,8 @@ fn check_ends_with_zero_when_every_case_passes() {
     let read = |name: &str| std::fs::read_to_string(folder.path().join("reports/suite").join(name)).expect(name);
     let samples = "case,quantity,time_s,time_factor,computed,exact,error,unit,counts";
     assert_eq!(read("samples.csv").lines().next(), Some(samples));
-    let refinements = "case,by,parameter,unit,error,order,order_low,order_high,asymptotic,required_order,against,order_verdict";
+    let refinements =
+        "case,by,parameter,unit,error,order,order_low,order_high,asymptotic,required_order,against,order_verdict";
     assert_eq!(read("refinements.csv").lines().next(), Some(refinements));
     // Every case has a baseline.
     assert!(suite.lines().skip(1).all(|line| line.contains(",verified,")), "{suite}");
