@@ -83,19 +83,38 @@ impl Theory {
     }
 }
 
-/// What errors say of the order that theory gives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What errors say of the order that theory gives; its words are those of the columns `order_verdict`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Order {
     /// Theory gives none.
+    #[default]
+    #[serde(rename = "not expected")]
     NotExpected,
     /// Errors are as small as the arithmetic allows: nothing is left to fall.
+    #[serde(rename = "round-off")]
     RoundOff,
     /// Too few meshes, or too much scatter. The error alone decides.
+    #[serde(rename = "not established")]
     NotEstablished,
     /// Established, and that of theory.
+    #[serde(rename = "passed")]
     Passed,
     /// Established, and another one.
+    #[serde(rename = "failed")]
     Failed,
+}
+
+impl Order {
+    /// In words.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::NotExpected => "not expected",
+            Self::RoundOff => "round-off",
+            Self::NotEstablished => "not established",
+            Self::Passed => "passed",
+            Self::Failed => "failed",
+        }
+    }
 }
 
 /// Errors on meshes beside the order of theory.
@@ -151,12 +170,11 @@ impl Convergence {
     /// The order as a message and a table show it.
     pub fn words(&self) -> String {
         match self.order {
-            Order::NotExpected => "not expected".to_owned(),
-            Order::RoundOff => "round-off".to_owned(),
-            Order::NotEstablished => {
-                self.fitted().map_or_else(|| "not established".to_owned(), |found| format!("not established ({found})"))
-            }
             Order::Passed | Order::Failed => self.fitted().unwrap_or_default(),
+            Order::NotEstablished if self.fit.is_some() => {
+                format!("{} ({})", self.order.word(), self.fitted().unwrap_or_default())
+            }
+            other => other.word().to_owned(),
         }
     }
 

@@ -20,6 +20,7 @@ use mpm_verify::manifest::Manifest;
 use mpm_verify::mutants::hunt::Verdict;
 use mpm_verify::progress::{Progress, time};
 use mpm_verify::provenance;
+use mpm_verify::rates::Order;
 use mpm_verify::report;
 use serde::Serialize;
 
@@ -316,6 +317,15 @@ fn header() -> String {
 
 fn line(row: &CaseRow) -> String {
     let theory = if row.required_order.is_empty() { String::new() } else { format!(", theory {}", row.required_order) };
-    let order = format!("{}{theory}", row.order_verdict);
+    let fitted = row.order.map(|order| match (row.order_low, row.order_high) {
+        (Some(low), Some(high)) => format!("{order:.2} \u{b1} {:.2}", 0.5 * (high - low)),
+        _ => format!("{order:.2}"),
+    });
+    let word = row.order_verdict.word();
+    let order = match (row.order_verdict, fitted) {
+        (Order::Passed | Order::Failed, Some(fitted)) => format!("{fitted}{theory}"),
+        (Order::NotEstablished, Some(fitted)) => format!("{word} ({fitted}){theory}"),
+        _ => format!("{word}{theory}"),
+    };
     format!("{:<29} {:>10.2e} {:>10.1e}  {order:<43} {}", row.case, row.error, row.required_error, row.verdict.word())
 }

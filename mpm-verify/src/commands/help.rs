@@ -85,7 +85,7 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 18] = [
         ],
     ),
     ("report", &[("mpm-verify report reports/accuracy", "the page and plots of a study that was run before")]),
-    ("publish", &[("mpm-verify publish levee", "the last run of the levee; without a name all that have been run")]),
+    ("publish", &[("mpm-verify publish levee", "the levee alone; without a name all reports")]),
     (
         "list",
         &[

@@ -153,8 +153,8 @@ pub struct RefinementRow {
     pub required_order: String,
     /// What the error is measured against.
     pub against: String,
-    /// What the order says, in words.
-    pub order_verdict: String,
+    /// What the order says.
+    pub order_verdict: Order,
 }
 
 /// A row of `samples.csv`.

@@ -117,9 +117,9 @@ pub struct CaseRow {
     pub change: Option<f64>,
     /// Tolerance of the runs in time, by which the error may move without a change of the program.
     pub tolerance: f64,
-    /// What the order says, in words.
+    /// What the order says.
     #[serde(default)]
-    pub order_verdict: String,
+    pub order_verdict: Order,
 }
 
 impl CaseRow {
@@ -210,7 +210,7 @@ impl Judged {
                 asymptotic: fit.map(|f| f.asymptotic),
                 required_order: found.theory_words(),
                 against: refinement.against.clone(),
-                order_verdict: found.words(),
+                order_verdict: found.order,
             }));
         }
         rows
@@ -262,7 +262,7 @@ pub(crate) fn judge(case: Named, outcome: Outcome, cpu_s: f64) -> Judged {
         baseline_kind: outcome.kind,
         change: None,
         tolerance: outcome.tolerance,
-        order_verdict: convergence.words(),
+        order_verdict: convergence.order,
     };
     let own = reason(&row, &convergence, exceeded);
     row.reason = std::iter::once(own).chain(fallen).chain(open).chain(outcome.remarks).collect::<Vec<_>>().join("; ");

@@ -177,7 +177,7 @@ fn rows(codes: &[Code]) -> Vec<Vec<String>> {
                     score.mistakes.join("; "),
                     score.flags.join("; "),
                     score.reason.clone(),
-                    score.convergence().words(),
+                    score.convergence().order.word().to_owned(),
                     maybe(level.solve_s),
                 ]);
             }

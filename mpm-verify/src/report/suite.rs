@@ -93,7 +93,8 @@ fn refinements(judged: &[Judged], folder: &Path) -> Result<(), ReportError> {
         let order = [r.order, r.order_low, r.order_high].map(or_nothing);
         let asymptotic = r.asymptotic.map_or(String::new(), |a| a.to_string());
         let head = vec![r.case, r.by, exact(r.parameter), r.unit, exact(r.error)];
-        [head, order.to_vec(), vec![asymptotic, r.required_order, r.against, r.order_verdict]].concat()
+        [head, order.to_vec(), vec![asymptotic, r.required_order, r.against, r.order_verdict.word().to_owned()]]
+            .concat()
     };
     let rows = judged.iter().flat_map(Judged::refinement_rows).map(row);
     tables::table(&folder.join("refinements.csv"), REFINEMENTS, rows)
