@@ -130,9 +130,9 @@ fn draw_panel<DB: DrawingBackend>(
     canvas.mark_panel(number, frame)?;
     let view = View { panel, frame };
     view.grid(canvas)?;
-    // What is filled would hide what is drawn before it.
-    let (areas, others): (Vec<&Series>, Vec<&Series>) =
-        panel.series.iter().partition(|series| series.mark == Mark::Area);
+    // An area of the legend would hide what is drawn before it; others are the paper under a text, which is to hide it.
+    let is_area = |series: &&Series| series.mark == Mark::Area && series.in_legend;
+    let (areas, others): (Vec<&Series>, Vec<&Series>) = panel.series.iter().partition(is_area);
     for series in areas.into_iter().chain(others) {
         canvas.mark(&format!("series {}", series.label))?;
         view.series(canvas, series)?;

@@ -300,6 +300,10 @@ mod tests {
     use super::look::{BLUE, Look, Marker, PALE, RED};
     use super::*;
 
+    fn corners_of_paper() -> [Point; 4] {
+        [(0.0, 0.1), (1.0, 0.1), (1.0, 0.9), (0.0, 0.9)].map(|(x, y)| Point::new(x, y))
+    }
+
     #[test]
     fn an_entry_of_the_legend_that_nobody_sees_is_found() {
         let panel = || Panel::new("", Axis::linear("x", "x").range(0.0, 1.0), Axis::linear("y", "y").range(0.0, 1.0));
@@ -320,6 +324,9 @@ mod tests {
         };
         // A band that is added last hides nothing.
         assert_eq!(shown(panel().with(line("line", 0.5)).with(dot.clone()).with(band)), Vec::<String>::new());
+        // Paper under a text hides the line below it.
+        let paper = Series::new("", Look::new(WHITE, Marker::Dot), Mark::Area, corners_of_paper()).unlisted().guide();
+        assert_eq!(shown(panel().with(line("line", 0.5)).with(dot.clone()).with(paper)), ["line", "dot"]);
         // A line that lies outside is not in the legend.
         assert_eq!(shown(panel().with(dot.clone()).with(line("outside", 2.0))), Vec::<String>::new());
         let cover = Series { label: "cover".to_owned(), ..dot.clone() };

@@ -66,7 +66,7 @@ const NEVER: &str = "no failure";
 /// The picture: inputs from top to bottom by their effect on when failure starts.
 pub fn figure(base: &Outcome, rows: &[Varied]) -> Figure {
     let rows = sorted(base, rows);
-    let widest = rows.iter().map(|r| text_width(&r.what, TEXT)).fold(0.0, f64::max);
+    let widest = widest(&rows);
     // Frames are equally wide; only the left ones have names of inputs beside them.
     let (beside, gap) = (44.0, 14.0);
     let frame = 0.5 * (WIDTH - 24.0 - gap - widest - 2.0 * beside);
@@ -94,6 +94,11 @@ pub fn figure(base: &Outcome, rows: &[Varied]) -> Figure {
         panels,
         missing: if rows.is_empty() { vec!["Sensitivity: nothing was changed.".to_owned()] } else { Vec::new() },
     }
+}
+
+/// Width of the longest name of an input, px.
+fn widest<T: std::borrow::Borrow<Varied>>(rows: &[T]) -> f64 {
+    rows.iter().map(|row| text_width(&row.borrow().what, TEXT)).fold(0.0, f64::max)
 }
 
 /// Writes it with its numbers; an empty cell is a run that did not fail. Returns the text of the SVG.
@@ -141,26 +146,28 @@ fn sorted<'a>(base: &Outcome, rows: &'a [Varied]) -> Vec<&'a Varied> {
 fn panel(base: &Outcome, rows: &[&Varied], (title, column, value): &Part, width: f64) -> Panel {
     let count = rows.len() as f64;
     let height = |place: usize| count - 1.0 - place as f64;
-    let mark = |side: usize| [("smaller value", LOW, ROW.1), ("larger value", HIGH, -ROW.1)][side];
+    let mark = |side: usize| [("smaller of two values", LOW, ROW.1), ("larger of two values", HIGH, -ROW.1)][side];
     let outcomes = || rows.iter().flat_map(|r| variants(r)).map(|(_, v)| value(&v.outcome)).chain([value(base)]);
     let (low, high) = outcomes()
         .flatten()
         .filter(|v| v.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     let (low, high) = if low > high { (0.0, 1.0) } else { (low, high.max(low + 1e-3 * low.abs().max(1e-3))) };
-    // Room for the longest text at either end, and for what is said of those that did not fail, right of the usual.
-    let widest = |texts: Vec<String>| texts.iter().map(|t| text_width(t, TEXT)).fold(0.0, f64::max);
+    // Room for the longest text on either side, and for what is said of those that did not fail, right of the usual.
     let all = || rows.iter().flat_map(|r| variants(r)).map(|(_, v)| v);
-    let longest = 14.0 + widest(all().map(|v| v.label.clone()).collect());
-    let stood: Vec<String> = all().filter(|v| value(&v.outcome).is_none()).map(never).collect();
-    let mut beyond = longest;
-    if !stood.is_empty() {
+    let is_left = |v: &&Variant| value(&v.outcome).zip(value(base)).is_some_and(|(end, usual)| end < usual);
+    let widest = |texts: &mut dyn Iterator<Item = String>| texts.map(|t| text_width(&t, TEXT)).fold(0.0, f64::max);
+    let before = 14.0 + widest(&mut all().filter(is_left).map(|v| v.label.clone()));
+    let mut beyond = 14.0 + widest(&mut all().filter(|v| !is_left(v)).map(|v| v.label.clone()));
+    let stood = widest(&mut all().filter(|v| value(&v.outcome).is_none()).map(never));
+    if stood > 0.0 {
         let share = value(base).map_or(1.0, |usual| (high - usual) / (high - low)).min(0.9);
-        let needed = widest(stood) + 44.0;
-        beyond = (longest + 24.0).max((needed - share * (width - longest)) / (1.0 - share));
+        beyond = (beyond + 24.0).max((stood + 44.0 - share * (width - before)) / (1.0 - share));
     }
-    let unit = ((width - longest - beyond).max(0.3 * width)) / (high - low);
-    let (left, right) = (low - longest / unit, high + beyond / unit);
+    let bars = (width - before - beyond).max(0.3 * width) / (high - low);
+    let (left, right) = (low - before / bars, high + beyond / bars);
+    // Where the texts leave less than that to the bars, all is drawn smaller.
+    let unit = width / (right - left);
     let y = Axis::linear("", "").range(-0.5, count - 0.5);
     let named = rows.iter().enumerate().map(|(place, r)| (height(place), r.what.clone())).collect();
     let usual = value(base).map_or_else(|| NEVER.to_owned(), |v| brief(v, 3));
@@ -251,7 +258,7 @@ mod tests {
     fn bars_are_in_the_order_of_their_effect_and_one_that_stood_is_said() {
         let (folder, _own) = folder();
         let svg = write(&USUAL, &rows(), &folder).expect("a picture");
-        for part in ["1 kPa: no failure", "moisture at the start", "usual: 8.4", "larger value"] {
+        for part in ["1 kPa: no failure", "moisture at the start", "usual: 8.4", "larger of two values"] {
             assert!(svg.contains(part), "{part}");
         }
         let order: Vec<String> = sorted(&USUAL, &rows()).iter().map(|r| r.what.clone()).collect();
@@ -259,6 +266,27 @@ mod tests {
         let table = std::fs::read_to_string(folder.join("levee-sensitivity.csv")).expect("a table");
         assert!(table.contains("cohesion,high,1 kPa,,,9.0,0.01\n") && table.contains(",base,,8.4,8.66,10.9,0.2\n"));
         assert_eq!(table.lines().count(), 1 + 1 + 11);
+    }
+
+    #[test]
+    fn texts_stand_beside_their_bars() {
+        let mut rows = rows();
+        let long = rows.iter_mut().flat_map(|row| [&mut row.low, &mut row.high]).flatten();
+        long.for_each(|v| v.label += " from the eighth to the ninth hour");
+        for panel in figure(&USUAL, &rows).panels {
+            let (left, right) = panel.x.range.expect("a range");
+            let frame = panel.share
+                - 44.0
+                - if panel.y.named.as_ref().is_some_and(Vec::is_empty) { 0.0 } else { widest(&rows) };
+            let bars: Vec<_> = panel.series.iter().filter(|s| s.label.ends_with("of two values")).collect();
+            for text in panel.series.iter().filter(|s| s.mark == Mark::Middle).flat_map(|s| &s.points) {
+                let half = 0.5 * text_width(&text.note, TEXT) * (right - left) / frame;
+                for bar in bars.iter().filter(|bar| bar.points[0].y == text.y) {
+                    let (low, high) = bar.points.iter().fold((right, left), |(a, b), p| (a.min(p.x), b.max(p.x)));
+                    assert!(text.x + half <= low || text.x - half >= high, "{}: {}", panel.x.label, text.note);
+                }
+            }
+        }
     }
 
     #[test]
