@@ -164,7 +164,7 @@ fn panel(base: &Outcome, rows: &[&Varied], (title, column, value): &Part, width:
         let share = value(base).map_or(1.0, |usual| (high - usual) / (high - low)).min(0.9);
         beyond = (beyond + 24.0).max((stood + 44.0 - share * (width - before)) / (1.0 - share));
     }
-    let bars = (width - before - beyond).max(0.3 * width) / (high - low);
+    let bars = (width - before - beyond).max(0.15 * width) / (high - low);
     let (left, right) = (low - before / bars, high + beyond / bars);
     // Where the texts leave less than that to the bars, all is drawn smaller.
     let unit = width / (right - left);
