@@ -90,7 +90,6 @@ fn level(score: &Score, refinement: f64) -> Option<&Level> {
 /// # Errors
 /// A file that cannot be written or drawn.
 pub fn write(codes: &[Code], cases: &[Case], folder: &Path) -> Result<(), ReportError> {
-    plots::ready();
     let scored = |case: &&Case| {
         codes
             .iter()
@@ -535,7 +534,6 @@ pub fn code_page(code: &Code, cases: Option<&str>) -> Page {
 /// # Errors
 /// A file that cannot be written or drawn.
 pub fn write_code(code: &Code, cases: &[Case], folder: &Path) -> Result<(), ReportError> {
-    plots::ready();
     let mut page = code_page(code, None).report(Report { date: code.date.clone(), ..Report::new(Kind::Score) });
     let mut section = Section::new("curves", "Errors against cells and CPU time");
     let plots = folder.join("plots");

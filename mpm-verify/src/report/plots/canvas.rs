@@ -82,6 +82,8 @@ pub const BITMAP_LETTERS: Lettering = Lettering { size: 1.164, drop: 0.22, marks
 
 /// Width of a text at a size, px.
 pub fn text_width(text: &str, size: f64) -> f64 {
+    // Whoever measures first does so in the font that is drawn.
+    super::ready();
     let font = FontDesc::from((FontFamily::SansSerif, 100.0 * BITMAP_LETTERS.size));
     f64::from(font.box_size(text).map_or(0, |(width, _)| width)) * size / 100.0
 }

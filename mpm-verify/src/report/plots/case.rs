@@ -12,7 +12,6 @@ const ROOM: f64 = 1.6;
 
 /// The picture; a case with a single run shows it against the error allowed.
 pub fn figure(judged: &Judged) -> Figure {
-    super::ready();
     let (quantity, unit) = judged.refined_by;
     let label = if unit == "-" { quantity.to_owned() } else { format!("{quantity} ({unit})") };
     let mut panel = Panel::new("", Axis::log(&label, ""), Axis::log("|error|", ""));

@@ -22,7 +22,6 @@ struct Drawn {
 
 /// Computed and exact curves, and their difference; `None` where a case has no numbers at places or times.
 pub fn curves(judged: &Judged) -> Option<Figure> {
-    super::ready();
     let Drawn { what, caption, panels } = match judged.comparisons.iter().find(|comparison| is_profile(comparison)) {
         Some(profile) => profiles(profile),
         None => over_time(judged)?,

@@ -67,7 +67,6 @@ pub struct Line {
 
 /// The picture.
 pub fn figure(field: &Field) -> Figure {
-    super::ready();
     let values = || field.points.iter().map(|p| p[2]);
     let robust = || range(robust(values()).into_iter().flat_map(|(a, b)| [a, b]));
     let (low, high) = told_apart(field.range.unwrap_or_else(robust));

@@ -87,7 +87,6 @@ pub const NAMES: [&str; 21] = [
 
 /// All pictures of a study.
 pub fn figures(study: &Study) -> Vec<Figure> {
-    ready();
     let cases = Cases::of(&study.results);
     vec![
         at_a_glance::figure(&study.results),
@@ -182,8 +181,6 @@ fn draw_on<DB: DrawingBackend>(figure: &Figure, backend: DB, scale: u32, letters
 
 /// Width and height of a picture in pixels, `scale` of them to one px.
 fn size(figure: &Figure, scale: u32) -> (u32, u32) {
-    // The legend breaks where its texts, measured in this font, end.
-    ready();
     (draw::WIDTH as u32 * scale, draw::height(figure).ceil() as u32 * scale)
 }
 

@@ -21,7 +21,6 @@ const PANELS: [(Integrator, &str); 3] = [
 
 /// The picture of a case. A run that the program stopped, or that is out of reach, is a star at the upper edge.
 pub fn figure(case: &Case, found: &[&Found]) -> Figure {
-    super::ready();
     let measured = || found.iter().flat_map(|f| &f.points).filter_map(|p| p.found.as_ref().ok().copied());
     let bounds = [case.holds, case.breaks];
     let inside = |value: f64| value.clamp(RANGE[0].min(case.holds / 10.0), RANGE[1].max(10.0 * case.breaks));
