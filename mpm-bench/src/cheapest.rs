@@ -130,7 +130,7 @@ pub fn table(rows: &[Row]) -> Vec<Cheapest<'_>> {
     all
 }
 
-/// What a wanted error costs with an integrator and a kind of shape functions: a line of `cost.csv`.
+/// Cost of a wanted error with an integrator and a kind of shape functions: a line of `cost.csv`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cost<'a> {
     /// The wanted error.

@@ -109,7 +109,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a sweep finds, with what the store has of it.
+/// Findings of a sweep, with those of its runs that the store has.
 fn measured(cli: &Cli, base: &Scene, plan: Plan, peers: Vec<Peer>) -> Result<Findings, Failure> {
     let start = std::time::Instant::now();
     let manifest = Manifest { command: command(), ..Manifest::new(base, 1) };

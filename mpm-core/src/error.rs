@@ -49,7 +49,7 @@ impl SceneError {
         self.notes.get_or_insert_default()
     }
 
-    /// This fault with the values that its rule has in this scene.
+    /// The error with the values that its rule has in the scene.
     pub(crate) fn with(mut self, here: impl Into<String>) -> Self {
         self.notes_mut().here = Some(here.into());
         self

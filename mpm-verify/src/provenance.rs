@@ -29,10 +29,10 @@ pub fn commit() -> &'static str {
     COMMIT.get_or_init(|| workspace().and_then(|path| commit_of(path, SOURCES)).unwrap_or_else(|| UNKNOWN.to_owned()))
 }
 
-/// Which program made a report.
+/// The program that made a report.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Made {
-    /// Its commit ([`commit`]).
+    /// Commit ([`commit`]).
     #[serde(default)]
     pub commit: String,
     /// Hash of its sources.

@@ -59,7 +59,7 @@ pub fn round_off(condition: f64) -> f64 {
 pub enum Theory {
     /// None: errors that do not fall as a power of the mesh.
     None,
-    /// This order.
+    /// A given order.
     Order(f64),
     /// A whole number from 1 to 4, which depends on a scheme that is not known here.
     Whole,
@@ -83,7 +83,7 @@ impl Theory {
     }
 }
 
-/// What errors say of the order that theory gives; its words are those of the columns `order_verdict`.
+/// Verdict on an order beside that of theory; its words are those of the columns `order_verdict`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Order {
     /// Theory gives none.
@@ -105,7 +105,7 @@ pub enum Order {
 }
 
 impl Order {
-    /// In words.
+    /// The verdict in words.
     pub const fn word(self) -> &'static str {
         match self {
             Self::NotExpected => "not expected",
@@ -178,7 +178,7 @@ impl Convergence {
         }
     }
 
-    /// In a reason: `order 2.02 ± 0.02, theory 2`; empty where none is expected.
+    /// Part of a reason: `order 2.02 ± 0.02, theory 2`; empty where none is expected.
     pub fn sentence(&self) -> String {
         match self.order {
             Order::NotExpected => String::new(),

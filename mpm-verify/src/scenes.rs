@@ -71,7 +71,7 @@ pub fn text(source: &str) -> Result<String, Error> {
     Ok(read_text(path, LARGEST_FILE).map_err(unreadable)?)
 }
 
-/// What the comment at the head of a scene's file says, as one paragraph; empty where there is none or no such scene.
+/// Comment at the head of a scene's file, as one paragraph; empty where there is none or no such scene.
 pub fn about(source: &str) -> String {
     about_text(&text(source).unwrap_or_default())
 }

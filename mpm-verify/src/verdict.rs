@@ -30,15 +30,15 @@ pub enum State {
     Moved,
     /// Claims of others, of which so many are reproduced. One that is not is no failure of this program.
     Claims {
-        /// How many are reproduced.
+        /// Claims that are reproduced.
         reproduced: usize,
-        /// How many there are.
+        /// All claims.
         total: usize,
     },
 }
 
 impl State {
-    /// In words.
+    /// The state in words.
     pub fn word(self) -> Cow<'static, str> {
         Cow::Borrowed(match self {
             Self::Complete => "complete",

@@ -21,12 +21,12 @@ struct Kept {
     kernel: Kernel,
 }
 
-/// What an earlier run found, and with which build; whether it was a quick look.
+/// Findings of an earlier run, and its build; whether it was a quick look.
 fn read(folder: &Path) -> Option<Kept> {
     serde_json::from_slice(&fs::read(folder.join(NAME)).ok()?).ok()
 }
 
-/// What an earlier run of any build found.
+/// Findings of an earlier run of any build.
 pub fn stored(folder: &Path) -> Option<Kernel> {
     read(folder).map(|kept| kept.kernel)
 }

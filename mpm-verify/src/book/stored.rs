@@ -113,7 +113,7 @@ impl Stored {
         Ok(format!("{number:.decimals$}"))
     }
 
-    /// How many a report has judged, and what it counted, in its words.
+    /// Number of verdicts of a report, and its counts in words.
     fn report(&self, name: &str) -> Result<(u64, String), Error> {
         let file = format!("{name}/report.json");
         let counts = &self.json(&file)?["counts"][0];
@@ -407,7 +407,7 @@ fn stress_tests(stored: &Stored) -> Result<String, Error> {
     Ok(table(&[&["test"], &integrators[..]].concat(), tests.into_iter().map(row)))
 }
 
-/// How many claims on the levee are judged, and what became of them.
+/// Number of claims on the levee that are judged, and their verdicts.
 fn levee_claims(stored: &Stored) -> Result<(usize, String), Error> {
     let claims = stored.rows("levee/claims.csv")?;
     let count = |verdict: &str| claims.iter().filter(|row| row.has(&[("verdict", verdict)])).count();
@@ -416,7 +416,7 @@ fn levee_claims(stored: &Stored) -> Result<(usize, String), Error> {
     Ok((claims.len(), said.join(", ")))
 }
 
-/// Which program made the verdicts: its commit and the hash of its sources, or those of all that did.
+/// The program that made the verdicts: its commit and the hash of its sources, or those of all that did.
 fn made(stored: &Stored) -> Result<String, Error> {
     let mut all = Vec::new();
     for file in ["accuracy/manifest.json", "suite/manifest.json", "stability/manifest.json"] {
@@ -478,14 +478,14 @@ fn levee_medians(stored: &Stored) -> Result<String, Error> {
     ))
 }
 
-/// When nine of ten samples fail.
+/// Times between which nine of ten samples fail.
 fn levee_samples(stored: &Stored) -> Result<String, Error> {
     let lines: Vec<probability::Line> = stored.lines("levee/probability.csv")?;
     let at = |share| probability::quantile(&lines, share).ok_or(Error::Lacks("samples that fail"));
     Ok(format!("{:.1} to {:.1} h", at(0.05)?, at(0.95)?))
 }
 
-/// What samples that were run whole show of the critical factor.
+/// Critical factor by the samples that were run whole.
 fn levee_whole_samples(stored: &Stored) -> Result<String, Error> {
     let lines: Vec<probability::Line> = stored.lines("levee/probability.csv")?;
     let mut factors: Vec<f64> = lines.iter().filter_map(|line| line.run_factor).collect();

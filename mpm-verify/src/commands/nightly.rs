@@ -35,7 +35,7 @@ use crate::Common;
 /// Seed of the random scenes.
 const SEED: u64 = 1;
 
-/// What the command does, from the list of its parts.
+/// Text of the help, from the list of the parts.
 pub fn about() -> String {
     format!("Compare with accepted numbers: {}", Part::list())
 }

@@ -57,7 +57,7 @@ const PARTS: [Part; 12] = [
 /// How many of them are run where none is named.
 const DAILY: usize = 7;
 
-/// What the command does, from the list of its parts.
+/// Text of the help, from the list of the parts.
 pub fn about() -> String {
     format!("What has to hold before a change lands: {}", names(&PARTS[..DAILY]))
 }

@@ -29,7 +29,7 @@ struct Report {
     made_by: &'static [&'static [&'static str]],
 }
 
-/// All of them, in the order in which they are made. Times are those of two cores.
+/// Published reports in the order in which they are made. Times are those of two cores.
 const PUBLISHED: [Report; 9] = [
     // 1 min.
     Report {

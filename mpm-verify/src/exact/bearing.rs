@@ -55,7 +55,7 @@ impl Prandtl {
         (scene.width >= wide && scene.height >= deep).then_some(exact)
     }
 
-    /// How far from the plane of symmetry and how deep the mechanism reaches, m.
+    /// Extent of the mechanism from the plane of symmetry, and its depth, m.
     pub fn reach(&self, friction_angle: f64) -> [f64; 2] {
         let phi = friction_angle.to_radians();
         // The side of the wedge under the strip; a logarithmic spiral leads from it to that of the passive wedge.

@@ -40,7 +40,7 @@ impl Better {
         }
     }
 
-    /// What a change from one value to another is.
+    /// Direction of a change from one value to another.
     pub fn direction(self, was: f64, is: f64) -> Direction {
         match (self, is > was) {
             _ if is.is_nan() || was.is_nan() => Direction::Gone,
@@ -52,7 +52,7 @@ impl Better {
     }
 }
 
-/// What became of a number that moved.
+/// Direction in which a number moved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Direction {
@@ -71,7 +71,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// In a word.
+    /// The direction in a word.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Worse => "worse",
@@ -121,7 +121,7 @@ impl Tolerance {
 /// A number of the night.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Number {
-    /// Of what: a case, a scheme in a stress test, a gate of the work.
+    /// Subject of the number: a case, a scheme in a stress test, a gate of the work.
     pub case: String,
     /// Which number of it.
     pub quantity: String,
@@ -144,7 +144,7 @@ impl Number {
         Self { case: case.to_owned(), quantity: quantity.to_owned(), label, value, tolerance, page: String::new() }
     }
 
-    /// With the page of its case.
+    /// The number with the page of its case.
     pub fn at(self, page: impl Into<String>) -> Self {
         Self { page: page.into(), ..self }
     }

@@ -153,7 +153,7 @@ pub struct RefinementRow {
     pub required_order: String,
     /// What the error is measured against.
     pub against: String,
-    /// What the order says.
+    /// Verdict on the order.
     pub order_verdict: Order,
 }
 

@@ -25,7 +25,7 @@ pub struct Problem {
     /// Its equations, in LaTeX.
     #[serde(default)]
     pub equations: Vec<String>,
-    /// What the exact solution assumes, one sentence each.
+    /// Assumptions of the exact solution, one sentence each.
     #[serde(default)]
     pub assumptions: Vec<String>,
     /// Where the exact solution is from: book and page, paper, DOI.

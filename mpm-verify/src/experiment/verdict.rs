@@ -117,7 +117,7 @@ pub struct CaseRow {
     pub change: Option<f64>,
     /// Tolerance of the runs in time, by which the error may move without a change of the program.
     pub tolerance: f64,
-    /// What the order says.
+    /// Verdict on the order.
     #[serde(default)]
     pub order_verdict: Order,
 }

@@ -25,7 +25,7 @@ pub struct Moved {
     pub since: String,
     /// What it is held against.
     pub label: Label,
-    /// What became of it.
+    /// Direction in which the number moved.
     pub direction: Direction,
     /// Page of its case, relative to the page of the night; empty for none.
     #[serde(default)]

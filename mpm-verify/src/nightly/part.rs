@@ -28,7 +28,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// All of them in the order in which they are run.
+    /// All parts in the order in which they are run.
     pub const ALL: [Self; 7] =
         [Self::Study, Self::Suite, Self::Stability, Self::Levee, Self::Metamorphic, Self::Work, Self::Instructions];
 
@@ -50,7 +50,7 @@ impl Part {
         Self::ALL.into_iter().find(|part| part.name() == name)
     }
 
-    /// What it runs.
+    /// Description of the part.
     pub fn what(self) -> String {
         match self {
             Self::Study => "accuracy study".to_owned(),
@@ -63,27 +63,27 @@ impl Part {
         }
     }
 
-    /// All that a nightly run does, in a line.
+    /// Description of a nightly run, in a line.
     pub fn list() -> String {
         Self::ALL.map(Self::what).join(", ")
     }
 }
 
-/// How a part ended.
+/// End of a part.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Finish {
-    /// It was run to its end and measured something.
+    /// The part was run to its end and measured something.
     #[default]
     Ran,
-    /// This machine lacks what it needs.
+    /// The machine lacks what the part needs.
     NotRun,
-    /// It was not finished, or measured nothing.
+    /// The part was not finished, or measured nothing.
     Failed,
 }
 
 impl Finish {
-    /// In words.
+    /// The end in words.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Ran => "ran",
@@ -102,10 +102,10 @@ impl Finish {
     }
 }
 
-/// What a part has found.
+/// Findings of a part.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Measured {
-    /// What was measured or checked: how many, of what. None of them may be zero.
+    /// Counts of measured or checked items, and their kinds. None of them may be zero.
     pub counted: Vec<(usize, &'static str)>,
     /// The numbers.
     pub numbers: Vec<Number>,
@@ -113,7 +113,7 @@ pub struct Measured {
     pub failed: Vec<String>,
     /// Results worth a word in the list of parts.
     pub remark: String,
-    /// What a reader should know beside it.
+    /// Remarks for the reader.
     pub notes: Vec<String>,
     /// Why it could not be run on this machine.
     pub lacks: Option<String>,
@@ -125,18 +125,18 @@ impl Measured {
         Self { counted: counted.into_iter().collect(), ..Self::default() }
     }
 
-    /// With numbers, of which some must be finite.
+    /// Findings with numbers, of which some must be finite.
     pub fn with(mut self, numbers: Vec<Number>) -> Self {
         self.counted.push((numbers.iter().filter(|number| number.value.is_finite()).count(), "numbers"));
         Self { numbers, ..self }
     }
 
-    /// With failed checks.
+    /// Findings with failed checks.
     pub fn failed(self, failed: impl IntoIterator<Item = String>) -> Self {
         Self { failed: failed.into_iter().collect(), ..self }
     }
 
-    /// What it should have measured and has not.
+    /// Kinds of items that should have been measured and were not.
     pub fn lacking(&self) -> Vec<&'static str> {
         match self.counted[..] {
             [] => vec!["results"],
@@ -144,7 +144,7 @@ impl Measured {
         }
     }
 
-    /// How the part ended.
+    /// End of the part.
     pub fn finish(&self) -> Finish {
         match (&self.lacks, self.lacking().is_empty()) {
             (Some(_), _) => Finish::NotRun,
@@ -153,7 +153,7 @@ impl Measured {
         }
     }
 
-    /// What came out, in a line.
+    /// Findings in a line.
     pub fn line(&self) -> String {
         if let Some(why) = &self.lacks {
             return why.clone();
@@ -164,7 +164,7 @@ impl Measured {
         counted.chain(failed).chain(remark).collect::<Vec<_>>().join(", ")
     }
 
-    /// All that failed, with the name of the part.
+    /// Failures, with the name of the part.
     pub fn failures(&self, part: Part) -> Vec<String> {
         let none = self.lacking().into_iter().map(|what| format!("no {what} were measured"));
         let none = none.filter(|_| self.finish() == Finish::Failed);
@@ -179,7 +179,7 @@ mod tests {
     use crate::nightly::{collect, instructions, work};
     use crate::sweeps::Sweeps;
 
-    /// What a part finds where nothing was measured.
+    /// Findings of a part that measured nothing.
     fn nothing(part: Part) -> Measured {
         match part {
             Part::Study => collect::study(&[], &Sweeps::default()),

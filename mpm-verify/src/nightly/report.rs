@@ -25,7 +25,7 @@ pub const LISTED: usize = 60;
 pub struct PartRow {
     /// The part.
     pub name: Part,
-    /// How it ended.
+    /// End of the part.
     #[serde(default)]
     pub finish: Finish,
     /// What came out, in a line.
@@ -157,19 +157,19 @@ impl Night {
         lines.join("\n") + "\n"
     }
 
-    /// What was compared with what.
+    /// Counts of the comparison.
     fn about(&self) -> String {
         let Self { compared, counts, baselines, .. } = self;
         format!("{compared} numbers compared, {counts} of them counts of work; accepted numbers: {baselines}.")
     }
 }
 
-/// What the page of a night shows beside the night itself.
+/// Content of the page of a night beside the night itself.
 #[derive(Debug)]
 pub struct Shown<'a> {
-    /// All numbers.
+    /// Numbers of the night.
     pub measures: &'a [Number],
-    /// What they are compared with.
+    /// Numbers that they are compared with.
     pub known: &'a [Accepted],
     /// The nights so far, with this one if it is recorded.
     pub history: &'a History,

@@ -84,7 +84,7 @@ pub fn parts(night: &Night) -> Table {
 /// Whether a quantity is of a kind.
 type IsOfKind<'a> = &'a dyn Fn(&str) -> bool;
 
-/// What single runs cost, against what is accepted or was usual, if they were made.
+/// Costs of single runs, against what is accepted or was usual, if they were made.
 pub fn cost(night: &Night, shown: &Shown) -> Option<Table> {
     let counted = |wanted: &'static str| move |quantity: &str| compiled::counted(quantity) == Some(wanted);
     let (instructions, allocations) = (counted(compiled::INSTRUCTIONS), counted(compiled::ALLOCATIONS));
@@ -118,7 +118,7 @@ pub fn cost(night: &Night, shown: &Shown) -> Option<Table> {
     (!kinds.is_empty()).then(|| table(String::new(), &head, rows, ""))
 }
 
-/// What the costs are compared with, and how often times would be reported without a cause.
+/// Thresholds of the costs, and how often times would be reported without a cause.
 pub fn about_cost(shown: &Shown) -> String {
     let alarms = FalseAlarms::of(shown.measures, shown.history).map_or_else(
         || format!("Times are compared after {LEAST} nights."),

@@ -71,7 +71,7 @@ pub fn compared(number: &Number, history: &History) -> f64 {
     }
 }
 
-/// How often a program that did not change would be reported for its times.
+/// Expected false alarms: reports of times of a program that did not change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FalseAlarms {
     /// Times.
@@ -80,7 +80,7 @@ pub struct FalseAlarms {
     pub nights: usize,
     /// Times of single nights beyond the threshold of all these nights.
     pub beyond: usize,
-    /// All times of all these nights.
+    /// Times of these nights.
     pub all: usize,
 }
 

@@ -144,7 +144,7 @@ pub fn each<T>(work: impl Fn(&Gate) -> Result<T, Error>) -> (Vec<T>, Vec<String>
 }
 
 impl Gate {
-    /// What it costs, and its time over that of the kernel.
+    /// Counts of the run, and its time over that of the kernel.
     fn counts(&self) -> Result<Vec<Number>, Error> {
         let scene = self.scene()?;
         let mut outcome = Err(Lacks("run"));

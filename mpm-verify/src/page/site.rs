@@ -232,7 +232,7 @@ pub fn refresh(root: &Path) -> Result<PathBuf, ReportError> {
     Ok(path)
 }
 
-/// What all reports count, one of each kind in the order of [`Counts`]. A page of a run counts as one.
+/// Counts of all reports, one of each kind in the order of [`Counts`]. A page of a run counts as one.
 fn summed(known: &[Known]) -> Vec<Counts> {
     let run = |report: &Report| match report.verdict.as_ref()?.state {
         State::Complete => Some(Counts::Runs { complete: 1, stopped: 0 }),

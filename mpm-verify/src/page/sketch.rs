@@ -339,15 +339,15 @@ fn support(view: &View, edge: &Edge, support: SolidSide) -> String {
 
 /// Something that presses, moves or feeds a part of the outline.
 struct Acting {
-    /// Where: a load of 1 Pa.
+    /// The load, at 1 Pa.
     load: FaceLoad,
     words: String,
-    /// Whether it goes into the soil.
+    /// Whether the arrow points into the soil.
     into: bool,
     is_plate: bool,
 }
 
-/// All that acts on the outline, with what it is in words; reservoirs and heads beside the soil are drawn as water.
+/// Actions on the outline, with words for each; reservoirs and heads beside the soil are drawn as water.
 fn acting(scene: &Scene) -> Vec<Acting> {
     let number = |value: f64| print(value, 3);
     let at = |on: Option<Side>, x: Option<[f64; 2]>, y: Option<[f64; 2]>| {

@@ -87,7 +87,7 @@ impl Cell {
         Self { small: small.into(), ..self }
     }
 
-    /// With the anchor of a name, which links lead to.
+    /// The cell with the anchor of a name, which links lead to.
     pub fn anchored(self, name: &str) -> Self {
         Self { id: anchor(name), ..self }
     }

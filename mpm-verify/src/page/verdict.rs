@@ -30,32 +30,32 @@ impl Verdict {
 pub enum Counts {
     /// Whether runs came to their end.
     Runs {
-        /// How many did.
+        /// Runs that came to their end.
         complete: usize,
-        /// How many did not.
+        /// Runs that did not.
         stopped: usize,
     },
     /// Results beside the truth.
     Checks(Checks),
     /// Claims of others.
     Claims {
-        /// How many are reproduced.
+        /// Claims that are reproduced.
         reproduced: usize,
-        /// How many are not.
+        /// Claims that are not reproduced.
         not_reproduced: usize,
-        /// Of how many it cannot be told.
+        /// Claims that cannot be tested.
         not_comparable: usize,
     },
     /// Nights beside what is accepted.
     Nights {
-        /// How many moved nothing.
+        /// Nights that moved nothing.
         unchanged: usize,
-        /// How many moved something, none of it for the worse.
+        /// Nights that moved something, none of it for the worse.
         moved: usize,
-        /// How many got worse, or had a check that failed.
+        /// Nights that got worse, or had a check that failed.
         #[serde(default)]
         worse: usize,
-        /// How many moved nothing and were no whole night.
+        /// Nights that moved nothing and were not run whole.
         #[serde(default)]
         in_part: usize,
     },
@@ -65,19 +65,19 @@ pub enum Counts {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Checks {
-    /// How many passed.
+    /// Results that passed.
     pub passed: usize,
-    /// How many are worse than required where more is not expected to hold.
+    /// Results that are worse than required where a scheme need not hold.
     pub degraded: usize,
-    /// How many stopped with a reason in place of a wrong result.
+    /// Runs that stopped with a reason in place of a wrong result.
     pub stopped: usize,
-    /// How many are not established.
+    /// Results that are not established.
     pub not_established: usize,
-    /// How many failed.
+    /// Results that failed.
     pub failed: usize,
 }
 
-/// What is counted; the order is that of the home page.
+/// Kinds of counts, in the order of the home page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// Runs.
@@ -91,7 +91,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// As the home page names it.
+    /// Name of the kind on the home page.
     pub const fn words(self) -> &'static str {
         match self {
             Self::Runs => "Runs",
@@ -117,7 +117,7 @@ impl Counts {
         Self::Claims { reproduced, not_reproduced, not_comparable }
     }
 
-    /// What is counted.
+    /// Kind of the counts.
     pub const fn kind(&self) -> Kind {
         match self {
             Self::Runs { .. } => Kind::Runs,
@@ -150,14 +150,14 @@ impl Counts {
         }
     }
 
-    /// In words: `6 reproduced, 2 not reproduced`.
+    /// Counts in words: `6 reproduced, 2 not reproduced`.
     pub fn words(&self) -> String {
         let parts: Vec<String> =
             self.parts().iter().filter(|(n, _)| *n > 0).map(|(n, word)| format!("{n} {word}")).collect();
         if parts.is_empty() { "none".to_owned() } else { parts.join(", ") }
     }
 
-    /// How many there are.
+    /// Sum of the counts.
     pub fn total(&self) -> usize {
         self.parts().iter().map(|(n, _)| n).sum()
     }
@@ -180,7 +180,7 @@ impl Counts {
         }
     }
 
-    /// With the counts of another of the same kind; `None` for one of another kind.
+    /// Sum with other counts of the same kind; `None` for one of another kind.
     pub fn with(&self, other: &Self) -> Option<Self> {
         Some(match (*self, *other) {
             (Self::Runs { complete: a, stopped: b }, Self::Runs { complete, stopped }) => {
@@ -214,7 +214,7 @@ impl Counts {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "Stored")]
 pub struct Tally {
-    /// Of what: `Verification suite`.
+    /// Subject of the counts: `Verification suite`.
     pub label: String,
     /// The counts.
     pub counts: Counts,

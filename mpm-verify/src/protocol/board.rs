@@ -294,7 +294,7 @@ fn curves(codes: &[Code], case: &Case, name: &'static str) -> Figure {
     }
 }
 
-/// What CPU time is.
+/// Definition of the CPU time.
 const MEASURED: &str = "CPU time is that of the whole command, measured from outside, the start of the program included: alike for all \
                         codes. That of the solution alone is what a code says of itself in `run.json`.";
 
@@ -349,7 +349,7 @@ fn solved(codes: &[Code], cases: &[&Case]) -> Figure {
     }
 }
 
-/// What each code solves, and at which cost.
+/// Shares of the cases that each code solves, and their cost.
 fn totals(codes: &[Code], cases: &[&Case]) -> Table {
     let row = |code: &Code| {
         let own = || cases.iter().filter_map(|case| Some((*case, answers(std::slice::from_ref(code), case).next()?.1)));

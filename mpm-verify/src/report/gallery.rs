@@ -25,14 +25,14 @@ pub struct Shown {
     trouble: Option<String>,
 }
 
-/// What the gallery takes from the `summary.json` of a scene.
+/// Part of the `summary.json` of a scene that the gallery shows.
 #[derive(Debug, Default, Deserialize)]
 struct Summary {
     exact: Option<Found>,
 }
 
 impl Shown {
-    /// One that took so long (s), what went wrong, and its results in a folder of its name beside the page.
+    /// A scene with its time (s), what went wrong, and its results in a folder of its name beside the page.
     pub fn new(scene: &Exhibit, wall_s: f64, trouble: Option<String>, folder: &Path) -> Self {
         let Exhibit { name, text } = *scene;
         let summary = fs::read_to_string(folder.join(name).join("summary.json")).unwrap_or_default();

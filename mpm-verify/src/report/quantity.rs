@@ -94,7 +94,7 @@ impl Quantity {
         (low, high.max(self.least))
     }
 
-    /// What is said of a colour scale that ends below some values of the frames; nothing of another.
+    /// Sentence on a colour scale that ends below some values of the frames; empty for another.
     pub fn clipped(&self, shots: &[&Shot], (_, high): (f64, f64)) -> String {
         let values = shots.iter().flat_map(|shot| shot.frame.solid.iter().map(self.of)).filter(|v| v.is_finite());
         let most = values.fold(high, f64::max);

@@ -37,11 +37,11 @@ pub const THUMBNAIL: &str = "thumbnail.svg";
 pub struct Solved<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Its run.
+    /// Run of the scene.
     pub run: &'a Run,
     /// The exact solution that applies, and the run beside it.
     pub exact: Option<(&'a Solution, &'a Found)>,
-    /// What the file of the scene says of it.
+    /// Description in the file of the scene.
     pub about: &'a str,
     /// File or name of the scene.
     pub source: &'a str,
@@ -49,7 +49,7 @@ pub struct Solved<'a> {
     pub cpu_s: f64,
 }
 
-/// What an engineer asks of a scene.
+/// Question that an engineer asks of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Subject {
     /// Load against displacement.
@@ -169,7 +169,7 @@ fn against(found: &Found) -> Section {
         .list(found.beside.iter().map(|said| format!("{}.", capital(said))).collect())
 }
 
-/// How to run it again, and what the run took.
+/// Section with the command of the run, and its cost.
 fn again(solved: &Solved) -> Section {
     let Solved { scene, run, source, cpu_s, .. } = *solved;
     let place = match scene.dimension {
@@ -222,7 +222,7 @@ fn over_time(run: &Run, label: &str, look: Look, of: &dyn Fn(&Sample) -> Option<
     Series::new(label, look.radius(2.6), mark, points)
 }
 
-/// What an exact solution says over time, at even times and at those of the samples of the last stage.
+/// Exact values over time, at even times and at those of the samples of the last stage.
 fn exact_over_time(solved: &Solved, of: &dyn Fn(&Solution, f64) -> Option<f64>) -> Option<Series> {
     let ((solution, _), last) = (solved.exact?, solved.run.samples.last()?);
     let ((.., seconds), start) = (unit(solved.run), last.state.time - last.stage_time);

@@ -99,7 +99,7 @@ pub fn broken_defaults(cases: &[Case], found: &[Found]) -> Vec<String> {
     defaults_that(Verdict::Failed, "fails with", cases, found)
 }
 
-/// One line for each default scheme that is worse than required within what it must bear.
+/// A line for each default scheme that is worse than required within what it must bear.
 pub fn degraded_defaults(cases: &[Case], found: &[Found]) -> Vec<String> {
     defaults_that(Verdict::Degraded, "is degraded to", cases, found)
 }

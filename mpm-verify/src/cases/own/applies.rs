@@ -50,7 +50,7 @@ pub enum Solution {
     Footing(Prandtl),
     /// The thrust of soil on a smooth wall.
     Wall(Rankine),
-    /// What the verification suite measures in this very scene: name and title of its case.
+    /// A case of the verification suite with this very scene: its name and title.
     Suite(&'static Spec, &'static str),
 }
 

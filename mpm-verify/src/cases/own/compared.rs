@@ -13,7 +13,7 @@ use crate::report::numbers::short;
 /// A number of a run beside the exact one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Beside {
-    /// What it is.
+    /// Name of the quantity.
     pub quantity: String,
     /// Unit of both.
     pub unit: String,
@@ -49,11 +49,11 @@ pub fn share(error: f64) -> String {
 /// A run beside the exact solution of its scene, as `summary.json` has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Found {
-    /// Whose solution it is.
+    /// Author of the solution.
     pub name: String,
     /// The solution with its assumptions.
     pub solution: String,
-    /// What else the scene carries beside the solution.
+    /// Effects that the scene has and the solution neglects.
     pub beside: Vec<String>,
     /// Numbers at the end.
     pub numbers: Vec<Beside>,
@@ -243,7 +243,7 @@ impl Solution {
     /// A run beside the solution at the observed times.
     ///
     /// # Errors
-    /// What the run lacks.
+    /// Reason why the run cannot be compared.
     pub(crate) fn compared(&self, scene: &Scene, run: &Run) -> Result<Vec<Comparison>, Error> {
         let last = || run.samples.last().ok_or(Lacks("sample"));
         Ok(match self {

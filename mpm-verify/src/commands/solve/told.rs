@@ -111,7 +111,7 @@ fn beside(scene: &Scene, run: &Run, exact: &Solution, add: &mut dyn FnMut(&str, 
     add("error of settlement", format!("at most {}{of}{at}{late}", percent(largest)));
 }
 
-/// What water with a free surface does; its outflow stands above where the exact discharge of a steady flow is known.
+/// Lines on water with a free surface; its outflow stands above where the exact discharge of a steady flow is known.
 fn seepage((scene, steady): (&Scene, bool), water: &WaterState, add: &mut dyn FnMut(&str, String)) {
     let per = match scene.dimension {
         Dimension::Column => "m2",

@@ -35,7 +35,7 @@ pub struct Item {
     /// Names of the claims on it.
     #[serde(default)]
     claims: Vec<String>,
-    /// What became of them.
+    /// Verdicts on its claims.
     #[serde(skip)]
     pub verdicts: Vec<Checked>,
 }
@@ -56,9 +56,9 @@ enum Picture {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Checked {
     id: String,
-    /// What the paper says.
+    /// Words of the paper.
     pub said: String,
-    /// What was found here.
+    /// Evidence found here.
     pub found: String,
     /// The verdict.
     pub verdict: Verdict,
@@ -78,7 +78,7 @@ struct Book {
     item: Vec<Item>,
 }
 
-/// All items: those with a claim that was checked first, those that are not compared last, each in the order of the paper; with the verdicts
+/// Items of the paper: those with a claim that was checked first, those that are not compared last, each in the order of the paper; with the verdicts
 /// of a study that is written into a folder, and of the levee if there is one beside it.
 pub fn items(claims: &[Claim], folder: &Path) -> Vec<Item> {
     let levee = site::home(folder).join("levee");

@@ -147,7 +147,7 @@ pub fn order_cell(found: &Convergence) -> Cell {
     }
 }
 
-/// The same with the order of theory and the pairwise orders.
+/// Order of a convergence with that of theory and the pairwise orders.
 pub fn order_of_group(found: &Convergence) -> Cell {
     let cell = order_cell(found);
     if found.order == Order::NotExpected {

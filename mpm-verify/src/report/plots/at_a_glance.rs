@@ -9,7 +9,7 @@ use super::{consolidation, isochrones};
 use crate::report::select::{Cases, PAPER, Reference, same_time};
 use crate::study::CaseResult;
 
-/// Its file name without ending.
+/// File name of the figure without ending.
 pub const NAME: &str = "at-a-glance";
 
 /// Time factors of the pressure profiles.
@@ -51,7 +51,7 @@ const SCHEMES: [Scheme; 2] = [
 ];
 
 impl Scheme {
-    /// Its points with a number of particles per cell.
+    /// Points of the scheme with a number of particles per cell.
     fn series(&self, ppc: usize, mark: Mark, points: impl IntoIterator<Item = Point>) -> Series {
         let place = PARTICLES.iter().position(|known| *known == ppc).unwrap_or(PARTICLES.len());
         Series::new(format!("{}, {ppc} per cell", self.name), look_of(place).dash(self.dash), mark, points)

@@ -5,7 +5,7 @@ use super::figure::{Figure, Mark, Panel, Point, Series};
 use super::look::{BLACK, BLUE, Look, Marker, RED};
 use plotters::style::RGBColor;
 
-/// Its file name without ending.
+/// File name of the figure without ending.
 pub const NAME: &str = "time-step";
 
 /// A box of the diagram: ends across, row from the top, edge, lines of text.
