@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use crate::error::Error;
 use crate::levee::{ensemble, probability, safety, validation};
+use crate::page::site::{RECORD, Report};
 use crate::page::table::Table;
 use crate::progress::time;
 use crate::provenance::Made;
@@ -113,12 +114,13 @@ impl Stored {
         Ok(format!("{number:.decimals$}"))
     }
 
-    /// Number of verdicts of a report, and its counts in words.
-    fn report(&self, name: &str) -> Result<(u64, String), Error> {
-        let file = format!("{name}/report.json");
-        let counts = &self.json(&file)?["counts"][0];
-        let read = || Some((counts["total"].as_u64()?, counts["said"].as_str()?.to_owned()));
-        read().ok_or_else(|| Error::Found(format!("{file}: no counts")))
+    /// Number of verdicts of a report, and its first counts in words.
+    fn report(&self, name: &str) -> Result<(usize, String), Error> {
+        let path = self.0.join(name).join(RECORD);
+        let text = fs::read_to_string(&path).map_err(Error::at(&path))?;
+        let report: Report = serde_json::from_str(&text).map_err(Error::at(&path))?;
+        let tally = report.counts.first().ok_or_else(|| Error::Found("no counts".to_owned()).of(name))?;
+        Ok((tally.counts.total(), tally.counts.words()))
     }
 }
 
@@ -200,9 +202,8 @@ fn times(stored: &Stored) -> Result<String, Error> {
 fn verdicts(stored: &Stored) -> Result<String, Error> {
     let (claims, reproduced) = stored.report("accuracy")?;
     let (cases, judged) = stored.report("suite")?;
-    let stress: Vec<MatrixRow> = stored.lines("stability/matrix.csv")?;
-    let defaults = |which: &str| stress.iter().filter(|row| row.default && word(row.verdict) == which).count();
-    let (levee_claims, levee) = levee_claims(stored)?;
+    let (_, stress) = stored.report("stability")?;
+    let (levee_claims, levee) = stored.report("levee")?;
     let board = stored.rows("leaderboard/leaderboard.csv")?;
     let mut codes: Vec<&str> = board.iter().map(|row| row.text("code")).collect::<Result<_, _>>()?;
     codes.sort_unstable();
@@ -210,7 +211,6 @@ fn verdicts(stored: &Stored) -> Result<String, Error> {
     let row = |what: &str, checked: String, result: String, page: &str| {
         vec![what.to_owned(), checked, result, page.to_owned()]
     };
-    let words = ["passed", "degraded", "stopped", "failed"].map(|word| format!("{} {word}", defaults(word)));
     let verdicts = table(
         &["what", "checked", "result", "page"],
         [
@@ -229,7 +229,7 @@ fn verdicts(stored: &Stored) -> Result<String, Error> {
             row(
                 "stress tests",
                 "every integrator's default scheme".to_owned(),
-                words.join(", "),
+                stress,
                 "[table](mpm-verify/docs/integrators.md#stress-tests)",
             ),
             row(
@@ -405,15 +405,6 @@ fn stress_tests(stored: &Stored) -> Result<String, Error> {
         std::iter::once(format!("`{test}`")).chain(integrators.map(cell)).collect()
     };
     Ok(table(&[&["test"], &integrators[..]].concat(), tests.into_iter().map(row)))
-}
-
-/// Number of claims on the levee that are judged, and their verdicts.
-fn levee_claims(stored: &Stored) -> Result<(usize, String), Error> {
-    let claims = stored.rows("levee/claims.csv")?;
-    let count = |verdict: &str| claims.iter().filter(|row| row.has(&[("verdict", verdict)])).count();
-    let words = ["reproduced", "not reproduced", "not comparable"].map(|verdict| (count(verdict), verdict));
-    let said: Vec<String> = words.iter().filter(|(n, _)| *n > 0).map(|(n, verdict)| format!("{n} {verdict}")).collect();
-    Ok((claims.len(), said.join(", ")))
 }
 
 /// The program that made the verdicts: its commit and the hash of its sources, or those of all that did.
