@@ -1,7 +1,7 @@
 //! Thresholds from the history: of times, which nobody accepts, and of counts that depend on the compiler where none is accepted for
 //! the one at hand.
 //!
-//! A number may be as far above its median over the last nights as [`DEVIATIONS`] robust standard deviations. A time is reported only
+//! A number may be as far above its median over the last nights as `DEVIATIONS` robust standard deviations. A time is reported only
 //! if it was beyond that last night, too: load on the machine comes and goes, a slower program stays.
 
 use super::compiled::counted;

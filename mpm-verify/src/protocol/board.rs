@@ -384,7 +384,7 @@ fn totals(codes: &[Code], cases: &[&Case]) -> Table {
     ];
     let note = format!(
         "Solved: every error from one refinement on is within 1 % or 0.1 %; of {} cases that any code answers. Medians are over the cases that \
-         the code itself solves. The least CPU time of any run is next to that of the start of the program.",
+         the code itself solves. The least CPU time of any run is close to what starting the program takes.",
         cases.len()
     );
     Table::new("Cases solved by each code", &head, codes.iter().map(row).collect(), &note)
