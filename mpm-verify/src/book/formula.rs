@@ -8,7 +8,7 @@ use pulldown_latex::{Parser, Storage};
 
 use super::Error;
 
-/// A formula as MathML, in a line of text or as a block of its own.
+/// A formula as MathML, in a line of text or as a block of its own, which scrolls where the page is narrower.
 ///
 /// # Errors
 /// What is not TeX, or no command that is known.
@@ -21,5 +21,7 @@ pub fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, Error> {
     let config = RenderConfig { display_mode, ..RenderConfig::default() };
     push_mathml(&mut html, events.into_iter().map(Ok::<_, Infallible>), config).map_err(|why| wrong(&why))?;
     // It leaves this one sign as it is, and writes a space without break as an entity whose sign is then escaped.
-    Ok(html.replace("><<", ">&lt;<").replace("&amp;nbsp;", "\u{a0}"))
+    let math = html.replace("><<", ">&lt;<").replace("&amp;nbsp;", "\u{a0}");
+    let open = "<span class=\"formula\" role=\"group\" tabindex=\"0\" aria-label=\"Formula, scrollable\">";
+    Ok(if matches!(display_mode, DisplayMode::Block) { format!("{open}{math}</span>") } else { math })
 }

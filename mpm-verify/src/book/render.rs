@@ -40,11 +40,7 @@ pub fn sections(markdown: &str, reports: &Path) -> Result<Vec<Section>, Error> {
                 let heading = pushed(inside);
                 Event::Html(format!("<{level} id=\"{}\">{heading}</{level}>\n", links::anchor(&title)).into())
             }
-            Event::DisplayMath(tex) => {
-                let math = formula::mathml(&tex, DisplayMode::Block)?;
-                let open = "<span class=\"formula\" role=\"group\" tabindex=\"0\" aria-label=\"Formula, scrollable\">";
-                Event::InlineHtml(format!("{open}{math}</span>").into())
-            }
+            Event::DisplayMath(tex) => Event::InlineHtml(formula::mathml(&tex, DisplayMode::Block)?.into()),
             Event::Start(Tag::CodeBlock(_)) => {
                 let code = text(&until(&mut parser, TagEnd::CodeBlock));
                 Event::Html(

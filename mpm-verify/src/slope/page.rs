@@ -131,13 +131,7 @@ impl Shown<'_> {
         let mut lines: Vec<Line> = Vec::new();
         let closed = |points: &[[f64; 2]]| points.iter().chain(points.first()).map(|x| (x[0], x[1])).collect();
         let line = |label: &str, look: Look, points: Vec<(f64, f64)>| Line { label: label.to_owned(), look, points };
-        lines.extend(
-            self.scene
-                .regions
-                .iter()
-                .enumerate()
-                .map(|(number, region)| line(if number == 0 { "soils" } else { "" }, LAYER, closed(&region.polygon))),
-        );
+        lines.extend(self.scene.regions.iter().map(|region| line("soils", LAYER, closed(&region.polygon))));
         lines.push(line("ground", OUTLINE, closed(&self.scene.outline_or_box())));
         let wet: Vec<(f64, f64)> = self.level.iter().filter(|x| x[1] > 0.0).map(|x| (x[0], x[1])).collect();
         if !wet.is_empty() {
@@ -156,7 +150,7 @@ impl Shown<'_> {
             title: "How the slope slides".to_owned(),
             caption: format!(
                 "Rate of the deviator strain over its largest value (above {FAINT}), with Davis' strength divided by {:.3}: where the soil shears. \
-                 Lines: slip surfaces of the least factor by limit equilibrium",
+                 Lines: slip surfaces of the least factor by limit equilibrium.",
                 davis
                     .trials
                     .iter()

@@ -140,7 +140,8 @@ impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
         self.mark(&format!("path <path {pen} d=\"{path}\"/>"))
     }
 
-    fn at(&self, spot: Spot) -> (i32, i32) {
+    /// The pixel of a place.
+    pub fn at(&self, spot: Spot) -> (i32, i32) {
         ((spot.0 * self.scale).round() as i32, (spot.1 * self.scale).round() as i32)
     }
 

@@ -229,9 +229,13 @@ impl View<'_> {
             let spots: Vec<Spot> = series.points.iter().filter_map(|p| self.spot(p)).collect();
             return canvas.mark_cloud(&spots, look);
         }
+        let mut last = None;
         for point in &series.points {
             let Some(spot) = self.spot(point) else { continue };
+            // A marker on the very same one would not be seen, and makes a file larger.
+            let same = last.replace((canvas.at(spot), point.open)) == last;
             match series.mark {
+                Mark::Points | Mark::LinePoints if same => {}
                 Mark::Points | Mark::LinePoints => canvas.marker(spot, look, point.open)?,
                 Mark::Bars => self.bar(canvas, point, spot, look)?,
                 Mark::Arrows => arrow(canvas, (spot.0, self.down(point.from)), spot, look)?,

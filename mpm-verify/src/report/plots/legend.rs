@@ -31,7 +31,8 @@ const GAP: f64 = 20.0;
 /// The entries of a picture, each label once: series of which something lies within the axes.
 pub fn entries(figure: &Figure) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
-    let listed = |s: &&Series| s.in_legend && !matches!(s.mark, Mark::Arrows | Mark::Text | Mark::Middle);
+    let drawn = |s: &Series| !matches!(s.mark, Mark::Arrows | Mark::Text | Mark::Middle);
+    let listed = |s: &&Series| s.in_legend && !s.label.is_empty() && drawn(s);
     let seen = figure.panels.iter().flat_map(|p| p.series.iter().filter(listed).filter(|s| p.shows(s)));
     for series in seen {
         if let Some(known) = entries.iter_mut().find(|e| e.label == series.label) {

@@ -308,17 +308,15 @@ mod tests {
         let corners = [(0.1, 0.1), (0.9, 0.1), (0.9, 0.9), (0.1, 0.9)].map(|(x, y)| Point::new(x, y));
         let band = Series::new("band", Look::new(PALE, Marker::Dot), Mark::Area, corners);
         let dot = Series::new("dot", Look::new(BLUE, Marker::Circle).radius(3.0), Mark::Points, [Point::new(0.5, 0.5)]);
-        let shown = |panel: Panel| {
-            unseen(&Figure {
-                name: "figure",
-                title: String::new(),
-                caption: String::new(),
-                height: 200.0,
-                panels: vec![panel],
-                missing: Vec::new(),
-            })
-            .expect("a picture")
+        let figure = |panel: Panel| Figure {
+            name: "figure",
+            title: String::new(),
+            caption: String::new(),
+            height: 200.0,
+            panels: vec![panel],
+            missing: Vec::new(),
         };
+        let shown = |panel: Panel| unseen(&figure(panel)).expect("a picture");
         // A band that is added last hides nothing.
         assert_eq!(shown(panel().with(line("line", 0.5)).with(dot.clone()).with(band)), Vec::<String>::new());
         // Paper under a text hides the line below it.
@@ -328,6 +326,25 @@ mod tests {
         assert_eq!(shown(panel().with(dot.clone()).with(line("outside", 2.0))), Vec::<String>::new());
         let cover = Series { label: "cover".to_owned(), ..dot.clone() };
         assert_eq!(shown(panel().with(dot).with(cover)), ["dot", "cover"]);
+        // What has no name has no entry.
+        let entries = legend::entries(&figure(panel().with(line("line", 0.5)).with(line("", 0.2))));
+        assert_eq!(entries.iter().map(legend::Entry::label).collect::<Vec<_>>(), ["line"]);
+    }
+
+    /// Points that stand on one another are one marker in the file.
+    #[test]
+    fn a_marker_on_the_same_one_is_not_drawn_again() {
+        let star = |points: &[(f64, f64)]| {
+            let points = points.iter().map(|(x, y)| Point::new(*x, *y));
+            let stars = Series::new("star", Look::new(RED, Marker::Star).radius(4.0), Mark::Points, points);
+            let axis = |name: &'static str| Axis::linear(name, name).range(0.0, 1.0);
+            let panels = vec![Panel::new("", axis("x"), axis("y")).with(stars)];
+            let (name, title, caption, missing) = ("stars", String::new(), String::new(), Vec::new());
+            svg_text(&Figure { name, title, caption, height: 200.0, panels, missing }).expect("a picture")
+        };
+        let (near, far) = ((0.5, 0.5), (0.25, 0.5));
+        assert_eq!(star(&[near, near, far, far]), star(&[near, far]));
+        assert_ne!(star(&[near, far, near]), star(&[near, far]));
     }
 
     #[test]
