@@ -150,12 +150,14 @@ pub fn exact_section(equations: &[String], assumptions: &[String], sources: &[St
     section
 }
 
-/// A source whose DOI is a link.
+/// A source whose DOIs are links. A DOI ends at a space; a sign before that belongs to the sentence.
 fn linked(source: &str) -> String {
-    match source.split_once("doi:") {
-        Some((before, doi)) => format!("{before}[doi:{doi}](https://doi.org/{doi})"),
-        None => source.to_owned(),
-    }
+    let mut parts = source.split("doi:");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| {
+        let doi = part.split(' ').next().unwrap_or_default().trim_end_matches([',', ';', ':', '.']);
+        format!("{text}[doi:{doi}](https://doi.org/{doi}){}", &part[doi.len()..])
+    })
 }
 
 /// Most samples that a table of the page holds; `samples.csv` has all.
@@ -231,6 +233,21 @@ fn again(judged: &Judged, scene: Option<String>) -> Section {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_link_to_a_source_ends_where_its_doi_ends() {
+        let link = |doi: &str| format!("[doi:{doi}](https://doi.org/{doi})");
+        assert_eq!(
+            linked("A 1, doi:10.1/a.b; B: doi:10.2/c"),
+            format!("A 1, {}; B: {}", link("10.1/a.b"), link("10.2/c"))
+        );
+        for source in problems().iter().flat_map(|problem| &problem.sources) {
+            let shown = linked(source);
+            let targets: Vec<&str> = shown.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+            assert_eq!(targets.len(), source.matches("doi:").count(), "{source}");
+            assert!(targets.iter().all(|target| target.ends_with(char::is_alphanumeric)), "{source}: {shown}");
+        }
+    }
 
     #[test]
     fn the_equations_of_all_problems_are_rendered() {
