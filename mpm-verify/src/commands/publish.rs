@@ -60,7 +60,7 @@ const PUBLISHED: [Report; 9] = [
         files: "map-water.csv map-water.png map-water_lines.csv report.json summary.json water.csv",
         made_by: &[&["solve", "reference-data/scenes/dam.toml"]],
     },
-    // 15 min, most of it for the ensemble on its finest mesh.
+    // 6 min, most of it for the ensemble on its finest mesh.
     Report {
         name: "levee",
         files: "claims.csv ensemble.csv events.csv levee.png plots/levee-failure.png plots/levee-probability.png \
@@ -70,9 +70,9 @@ const PUBLISHED: [Report; 9] = [
             &["levee", "--sensitivity", "--probability", "--safety-factor", "8,10,12,14"],
         ],
     },
-    // 10 min.
+    // 6 min.
     Report { name: "slopes", files: "report.json slopes.csv", made_by: &[&["slope"]] },
-    // 10 min. Scores of other codes are those that are published: they are results of other programs, which this one cannot make.
+    // 3 min. Scores of other codes are those that are published: they are results of other programs, which this one cannot make.
     Report {
         name: "leaderboard",
         files: "leaderboard.csv plots/solved-against-cpu.svg report.json scores/finite-volumes.json scores/kratos-geo.json \
@@ -97,7 +97,7 @@ const PUBLISHED: [Report; 9] = [
             ],
         ],
     },
-    // 10 min, with nothing beside it.
+    // 8 min, with nothing beside it.
     Report {
         name: "speed-against-error",
         files: "cheapest.csv cost.csv growth.csv kernel.json kernel_limits.csv kernel_sizes.csv kernel_stages.csv manifest.json \

@@ -57,7 +57,7 @@ pub fn write(judged: &Judged, all: &[Judged], folder: &Path) -> Result<(), Repor
         super::save(&folder.join("scene.toml"), text.clone())?;
     }
     let beside = known.map(|case| neighbours((case.name, case.problem), all)).unwrap_or_default();
-    let page = Page::new(format!("{}: {}", judged.case.name, judged.case.about))
+    let page = Page::new(format!("{}: {}", judged.case.name, alone(judged.case.about, problem)))
         .verdict(verdict(judged))
         .style(STYLE)
         .section(problem_section(judged, problem))
@@ -69,6 +69,14 @@ pub fn write(judged: &Judged, all: &[Judged], folder: &Path) -> Result<(), Repor
         .below("Verification suite", "../index.html")
         .beside(beside);
     page.write(&folder.join("index.html"))
+}
+
+/// What a case is about, in words that need no case before it.
+fn alone(about: &str, problem: Option<&Problem>) -> String {
+    match (about.strip_prefix("the same"), problem) {
+        (Some(rest), Some(problem)) => format!("{}, {}", problem.title, rest.trim_start_matches([',', ':', ' '])),
+        _ => about.to_owned(),
+    }
 }
 
 fn verdict(judged: &Judged) -> Verdict {
@@ -233,6 +241,15 @@ fn again(judged: &Judged, scene: Option<String>) -> Section {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The page of a case is read without the one before it.
+    #[test]
+    fn the_title_of_a_page_names_the_problem() {
+        for case in suite() {
+            let title = alone(case.about, Some(&problems()[case.problem]));
+            assert!(!title.starts_with("the same"), "{}: {title}", case.name);
+        }
+    }
 
     #[test]
     fn a_link_to_a_source_ends_where_its_doi_ends() {

@@ -8,6 +8,7 @@ use std::io::{Write, stderr};
 use std::sync::{Mutex, Once};
 use std::time::{Duration, Instant};
 
+use cpu_time::ThreadTime;
 use mpm_core::checkpoint::{sealed, unsealed};
 use mpm_core::drive::{Drive, Monitor, Wish};
 use mpm_core::hardware::Hardware;
@@ -21,7 +22,7 @@ use mpm_verify::{frames, scenes};
 
 /// Inputs of each kind, if a test is not told how many.
 const INPUTS: usize = 400;
-/// No input may take longer: what a reader does is bounded.
+/// CPU time that no input may take: what a reader does is bounded, whatever else the machine does.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Decisions, taken from the bytes of an input one after the other; zeros when there are no more.
@@ -143,8 +144,8 @@ fn in_time(what: &str, input: &[u8], work: impl FnOnce()) {
         });
     });
     let thread = format!("{:?}", std::thread::current().id());
-    let clock = Instant::now();
-    TRIED.lock().expect("no panic in it").insert(thread.clone(), (clock, what.to_owned(), input.to_vec()));
+    let clock = ThreadTime::now();
+    TRIED.lock().expect("no panic in it").insert(thread.clone(), (Instant::now(), what.to_owned(), input.to_vec()));
     work();
     let took = clock.elapsed();
     TRIED.lock().expect("no panic in it").remove(&thread);

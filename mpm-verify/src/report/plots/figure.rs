@@ -154,6 +154,9 @@ impl Series {
     }
 }
 
+/// Length of a line or bar, as a share of an axis, below which it is no more than a dot.
+const LEAST_LENGTH: f64 = 2e-3;
+
 impl Panel {
     /// A panel without series.
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
@@ -224,23 +227,24 @@ impl Panel {
         [x, y]
     }
 
-    /// Whether some point of a series, or some part of its line, lies within the axes. What is filled is taken to.
+    /// Whether some point of a series, or some part of its line, can be seen within the axes. What is filled is taken to be.
     pub fn shows(&self, series: &Series) -> bool {
         let [x, y] = self.fitted_axes();
         let place = |p: &Point| (x.takes(p.x) && y.takes(p.y)).then(|| (x.place(p.x), y.place(p.y)));
         let frame = Rect { left: 0.0, top: 0.0, right: 1.0, bottom: 1.0 };
         let is_within = |(x, y): (f64, f64)| (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y);
-        let crosses =
-            |pair: &[Point]| place(&pair[0]).zip(place(&pair[1])).is_some_and(|(a, b)| frame.clip(a, b).is_some());
+        let within = |pair: &[Point]| {
+            let (a, b) = place(&pair[0]).zip(place(&pair[1])).and_then(|(a, b)| frame.clip(a, b))?;
+            Some((b.0 - a.0).hypot(b.1 - a.1))
+        };
+        let lengths = || series.points.windows(2).filter_map(within);
         match series.mark {
-            Mark::Line => series.points.windows(2).any(crosses),
-            Mark::LinePoints => {
-                series.points.windows(2).any(crosses) || series.points.iter().filter_map(place).any(is_within)
-            }
+            Mark::Line => lengths().sum::<f64>() > LEAST_LENGTH,
+            Mark::LinePoints => lengths().next().is_some() || series.points.iter().filter_map(place).any(is_within),
             Mark::Points => series.points.iter().filter_map(place).any(is_within),
             // A bar of no height is not drawn.
             Mark::Bars | Mark::Range | Mark::Arrows => {
-                series.points.iter().any(|p| y.takes(p.y) && (y.place(p.y) - y.place(p.from)).abs() > 2e-3)
+                series.points.iter().any(|p| y.takes(p.y) && (y.place(p.y) - y.place(p.from)).abs() > LEAST_LENGTH)
             }
             _ => !series.points.is_empty(),
         }

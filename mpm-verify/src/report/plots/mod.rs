@@ -322,8 +322,10 @@ mod tests {
         // Paper under a text hides the line below it.
         let paper = Series::new("", Look::new(WHITE, Marker::Dot), Mark::Area, corners_of_paper()).unlisted().guide();
         assert_eq!(shown(panel().with(line("line", 0.5)).with(dot.clone()).with(paper)), ["line", "dot"]);
-        // A line that lies outside is not in the legend.
+        // A line that lies outside, or is too short to be seen beside a marker, is not in the legend.
         assert_eq!(shown(panel().with(dot.clone()).with(line("outside", 2.0))), Vec::<String>::new());
+        let short = Series::line("short", Look::new(RED, Marker::Dot), [(0.5, 0.5), (0.5005, 0.5)]);
+        assert_eq!(shown(panel().with(short).with(dot.clone())), Vec::<String>::new());
         let cover = Series { label: "cover".to_owned(), ..dot.clone() };
         assert_eq!(shown(panel().with(dot).with(cover)), ["dot", "cover"]);
         // What has no name has no entry.
