@@ -33,6 +33,9 @@ pub struct Options {
     /// Run every check on each fault, in place of the first that detects it: hours
     #[arg(long)]
     all: bool,
+    /// Note in reference-data/baselines/detected.csv which checks detected them: later searches ask these first
+    #[arg(long)]
+    record: bool,
     /// Root of the source [default: .]
     #[arg(long, value_name = "DIR", default_value = ".", hide = true)]
     source: PathBuf,
@@ -74,7 +77,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         };
         let spoilt = Spoilt::new(program, scratch, options.all);
         let rows = spoilt.find(&chosen, common.jobs(), &mut known, &told).map_err(Failure::run_failed)?;
-        if Detected::write(&known, &options.source).map_err(Failure::run_failed)? {
+        if options.record && Detected::write(&known, &options.source).map_err(Failure::run_failed)? {
             common.say(&format!("written: {}", options.source.join(FILE).display()));
         }
         write_csv(&folder.stage().join("mutants.csv"), &rows)?;

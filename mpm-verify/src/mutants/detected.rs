@@ -1,5 +1,5 @@
-//! Which checks have detected which fault: `reference-data/baselines/detected.csv`, which `mpm-verify mutants` writes. The next search
-//! asks these checks first.
+//! Which checks have detected which fault: `reference-data/baselines/detected.csv`, which `mpm-verify mutants --record` writes. Searches
+//! ask these checks first.
 
 use std::fs;
 use std::path::Path;
