@@ -32,7 +32,7 @@ pub enum State {
     Claims {
         /// Claims that are reproduced.
         reproduced: usize,
-        /// All claims.
+        /// Number of claims, of each verdict.
         total: usize,
     },
 }

@@ -20,7 +20,6 @@ use mpm_verify::manifest::Manifest;
 use mpm_verify::mutants::hunt::Verdict;
 use mpm_verify::progress::{Progress, time};
 use mpm_verify::provenance;
-use mpm_verify::rates::Order;
 use mpm_verify::report;
 use serde::Serialize;
 
@@ -164,7 +163,7 @@ fn measured(own: &OwnScene, scene: &Scene, common: &Common, folder: &Folder) -> 
     }
     let judged = own.judged().map_err(Failure::run_failed)?;
     common.say(&header());
-    common.say(&line(&judged.row));
+    common.say(&line(&judged));
     common.say(&judged.reason);
     for (what, value, _) in &judged.notes {
         common.say(&format!("{what}: {value:.1e}"));
@@ -204,7 +203,7 @@ pub fn judged(cases: &[&Case], common: &Common, folder: &Path) -> Result<Ran<Cas
     common.say(&header());
     let Ran { rows: judged, failed, .. } = each(cases, common, |case, print| {
         let judged = case.judged()?;
-        print(&line(&judged.row));
+        print(&line(&judged));
         Ok(judged)
     })?;
     let rows = write(&judged, &mpm_verify::scenes::terzaghi(), common, folder)?;
@@ -315,17 +314,9 @@ fn header() -> String {
     format!("{:<29} {:>10} {:>10}  {:<43} verdict", "case", "error", "required", "order")
 }
 
-fn line(row: &CaseRow) -> String {
+fn line(judged: &Judged) -> String {
+    let row = &judged.row;
     let theory = if row.required_order.is_empty() { String::new() } else { format!(", theory {}", row.required_order) };
-    let fitted = row.order.map(|order| match (row.order_low, row.order_high) {
-        (Some(low), Some(high)) => format!("{order:.2} \u{b1} {:.2}", 0.5 * (high - low)),
-        _ => format!("{order:.2}"),
-    });
-    let word = row.order_verdict.word();
-    let order = match (row.order_verdict, fitted) {
-        (Order::Passed | Order::Failed, Some(fitted)) => format!("{fitted}{theory}"),
-        (Order::NotEstablished, Some(fitted)) => format!("{word} ({fitted}){theory}"),
-        _ => format!("{word}{theory}"),
-    };
+    let order = format!("{}{theory}", judged.convergence.words());
     format!("{:<29} {:>10.2e} {:>10.1e}  {order:<43} {}", row.case, row.error, row.required_error, row.verdict.word())
 }

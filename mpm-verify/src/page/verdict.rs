@@ -32,7 +32,7 @@ pub enum Counts {
     Runs {
         /// Runs that came to their end.
         complete: usize,
-        /// Runs that did not.
+        /// Runs that stopped before their end.
         stopped: usize,
     },
     /// Results beside the truth.

@@ -71,7 +71,7 @@ pub fn write(judged: &Judged, all: &[Judged], folder: &Path) -> Result<(), Repor
     page.write(&folder.join("index.html"))
 }
 
-/// What a case is about, in words that need no case before it.
+/// Description of a case, in words that need no case before it.
 fn alone(about: &str, problem: Option<&Problem>) -> String {
     match (about.strip_prefix("the same"), problem) {
         (Some(rest), Some(problem)) => format!("{}, {}", problem.title, rest.trim_start_matches([',', ':', ' '])),
@@ -242,7 +242,7 @@ fn again(judged: &Judged, scene: Option<String>) -> Section {
 mod tests {
     use super::*;
 
-    /// The page of a case is read without the one before it.
+    /// Titles of pages need no case before them.
     #[test]
     fn the_title_of_a_page_names_the_problem() {
         for case in suite() {

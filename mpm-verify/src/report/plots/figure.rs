@@ -227,7 +227,7 @@ impl Panel {
         [x, y]
     }
 
-    /// Whether some point of a series, or some part of its line, can be seen within the axes. What is filled is taken to be.
+    /// Whether some point of a series, or some part of its line, can be seen within the axes. Filled areas count as seen.
     pub fn shows(&self, series: &Series) -> bool {
         let [x, y] = self.fitted_axes();
         let place = |p: &Point| (x.takes(p.x) && y.takes(p.y)).then(|| (x.place(p.x), y.place(p.y)));
