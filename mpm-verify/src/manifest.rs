@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use time::OffsetDateTime;
 use time::format_description::well_known::Rfc3339;
 
-use crate::provenance;
+use crate::provenance::{self, Made};
 
 /// The conditions of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,6 +61,11 @@ impl Manifest {
             command: command(),
             sources: provenance::SOURCES.to_owned(),
         }
+    }
+
+    /// The program that worked under these conditions.
+    pub fn made(&self) -> Made {
+        Made { commit: self.commit.clone(), sources: self.sources.clone(), profile: self.profile.clone() }
     }
 
     /// The same without all that differs from run to run, and with a command that says as much.

@@ -9,7 +9,6 @@ use crate::page::site::{Kind, Report};
 use crate::page::table::{Cell, Table};
 use crate::page::verdict::{Counts, State, Tally, Verdict};
 use crate::page::{Block, Image, Link, Page, Section};
-use crate::provenance::Made;
 use crate::report::ReportError;
 use crate::report::plots::error_against_mesh;
 
@@ -56,7 +55,7 @@ pub fn write(known: &Path, (name, night): (&str, &Night), folder: &Path) -> Resu
     let runs = if own_history { runs.files([history::NAME]) } else { runs };
     let mut report = Report {
         date: latest.date.clone(),
-        made: Made { commit: latest.commit.clone(), ..Made::default() },
+        made: latest.manifest.made(),
         ..Report::new(Kind::Nightly).counts([Tally::new("Nightly runs", counts)])
     };
     // The pictures of the latest run, as far as it has them: that of convergence first.

@@ -304,5 +304,10 @@ fn home_reaches_every_page_and_every_page_leads_home() {
     let record: Report =
         serde_json::from_slice(&fs::read(root.join("levee").join(RECORD)).expect("a record")).expect("JSON");
     assert_eq!((record.title.as_str(), record.kind), ("A page", Kind::Levee));
-    assert!(!record.date.is_empty() && !record.made.commit.is_empty());
+    for name in ["levee", "accuracy", "suite", "nightly"] {
+        let text = fs::read(root.join(name).join(RECORD)).expect("a record");
+        let Report { date, made, .. } = serde_json::from_slice(&text).expect("JSON");
+        let known = [&date, &made.commit, &made.sources, &made.profile].map(|text| !text.is_empty());
+        assert_eq!(known, [true; 4], "{name}: date, commit, sources, profile");
+    }
 }
