@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use clap::Args;
+use mpm_verify::files::{Folder, FolderError};
 use mpm_verify::manifest::Manifest;
 use mpm_verify::progress::time;
 use serde::{Deserialize, Serialize};
@@ -147,32 +148,37 @@ fn earlier(folder: &Path, sources: &str) -> Vec<Row> {
     rows.into_iter().flat_map(csv::Reader::into_deserialize).filter_map(Result::ok).collect()
 }
 
-/// Runs all parts, whatever becomes of the others, and writes `prove.csv` and what each has said.
+/// Runs all parts, whatever becomes of the others. `prove.csv` and what a part has said are there when that part has ended: what follows
+/// takes minutes, and may be stopped.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if !Path::new("mpm-core/Cargo.toml").is_file() {
         return Err(Failure::BadInput("prove: expected to be run in the root of the source".to_owned()));
     }
     let manifest = Manifest::new(&mpm_verify::scenes::terzaghi(), common.jobs());
-    let rows = common.publish("prove", &["prove.csv", "manifest.json"], |folder| {
-        let mut rows = earlier(folder.path(), &manifest.sources);
-        for (number, part) in PARTS.iter().enumerate() {
-            let is_named = options.parts.iter().any(|name| name == part.name);
-            if is_named || options.all || (options.parts.is_empty() && number < DAILY) {
-                let row = part.run(folder.stage())?;
-                let verdict = if row.passed { "passed" } else { "failed" };
-                common.say(&format!("{:<14} {:>8}  {verdict}: {}", row.part, time(row.wall_s), row.command));
-                if !row.passed {
-                    common.say(&part.last_words(folder.stage()));
-                }
-                rows.retain(|earlier| earlier.part != row.part);
-                rows.push(row);
-            }
+    let refused = |e: FolderError| Failure::BadInput(format!("--out: {e}"));
+    let folder = Folder::take(&common.folder("prove")).map_err(refused)?;
+    folder.has_room_for(&["prove.csv", "manifest.json"]).map_err(refused)?;
+    let mut rows = earlier(folder.path(), &manifest.sources);
+    for (number, part) in PARTS.iter().enumerate() {
+        let is_named = options.parts.iter().any(|name| name == part.name);
+        if !is_named && !options.all && (!options.parts.is_empty() || number >= DAILY) {
+            continue;
         }
+        let row = part.run(folder.stage())?;
+        let verdict = if row.passed { "passed" } else { "failed" };
+        common.say(&format!("{:<14} {:>8}  {verdict}: {}", row.part, time(row.wall_s), row.command));
+        if !row.passed {
+            common.say(&part.last_words(folder.stage()));
+        }
+        rows.retain(|earlier| earlier.part != row.part);
+        rows.push(row);
         rows.sort_by_key(|row| PARTS.iter().position(|part| part.name == row.part));
         write_csv(&folder.stage().join("prove.csv"), &rows)?;
         write_json(&folder.stage().join("manifest.json"), &manifest)?;
-        Ok(rows)
-    })?;
+        let is_log_of = |file: &Path, row: &Row| file.as_os_str() == format!("{}.txt", row.part).as_str();
+        let stays = |file: &Path| rows.iter().any(|row| is_log_of(file, row));
+        folder.publish_beside("proof", &stays).map_err(Failure::run_failed)?;
+    }
     common.json(&rows);
     for part in PARTS.iter().filter(|part| rows.iter().all(|row| row.part != part.name)) {
         common.say(&format!("not run: {} (prove {0})", part.name));
