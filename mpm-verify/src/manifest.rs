@@ -63,7 +63,7 @@ impl Manifest {
         }
     }
 
-    /// The program that worked under these conditions.
+    /// Commit, hash of the sources and profile of the program that made the run.
     pub fn made(&self) -> Made {
         Made { commit: self.commit.clone(), sources: self.sources.clone(), profile: self.profile.clone() }
     }

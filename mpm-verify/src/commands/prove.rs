@@ -67,6 +67,11 @@ fn names(parts: &[Part]) -> String {
     parts.iter().map(|part| part.name).collect::<Vec<_>>().join(", ")
 }
 
+/// Name of the file with the output of a part.
+fn log_of(part: &str) -> String {
+    format!("{part}.txt")
+}
+
 /// Lines of a failed part that are shown at once: its log is there when all parts have run.
 const LAST_WORDS: usize = 20;
 
@@ -93,7 +98,7 @@ struct Row {
 impl Part {
     /// Runs the part from the root of the source, with all that it says in a file.
     fn run(&self, folder: &Path) -> Result<Row, Failure> {
-        let log = folder.join(format!("{}.txt", self.name));
+        let log = folder.join(log_of(self.name));
         let file = File::create(&log).map_err(Failure::unwritable(&log))?;
         let errors = file.try_clone().map_err(Failure::unwritable(&log))?;
         let mut command = match self.by {
@@ -132,7 +137,7 @@ impl Part {
 
     /// The last lines of the part's log in a folder.
     fn last_words(&self, folder: &Path) -> String {
-        let said = std::fs::read_to_string(folder.join(format!("{}.txt", self.name))).unwrap_or_default();
+        let said = std::fs::read_to_string(folder.join(log_of(self.name))).unwrap_or_default();
         let lines: Vec<_> = said.lines().collect();
         lines[lines.len().saturating_sub(LAST_WORDS)..].join("\n")
     }
@@ -148,8 +153,8 @@ fn earlier(folder: &Path, sources: &str) -> Vec<Row> {
     rows.into_iter().flat_map(csv::Reader::into_deserialize).filter_map(Result::ok).collect()
 }
 
-/// Runs all parts, whatever becomes of the others. `prove.csv` and what a part has said are there when that part has ended: what follows
-/// takes minutes, and may be stopped.
+/// Runs all parts, whatever becomes of the others. The row of a part in `prove.csv` and its output are written when the part ends, so
+/// that a proof that is stopped keeps them.
 pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if !Path::new("mpm-core/Cargo.toml").is_file() {
         return Err(Failure::BadInput("prove: expected to be run in the root of the source".to_owned()));
@@ -175,8 +180,7 @@ pub fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         rows.sort_by_key(|row| PARTS.iter().position(|part| part.name == row.part));
         write_csv(&folder.stage().join("prove.csv"), &rows)?;
         write_json(&folder.stage().join("manifest.json"), &manifest)?;
-        let is_log_of = |file: &Path, row: &Row| file.as_os_str() == format!("{}.txt", row.part).as_str();
-        let stays = |file: &Path| rows.iter().any(|row| is_log_of(file, row));
+        let stays = |file: &Path| rows.iter().any(|row| file == Path::new(&log_of(&row.part)));
         folder.publish_beside("proof", &stays).map_err(Failure::run_failed)?;
     }
     common.json(&rows);

@@ -123,6 +123,33 @@ fn a_full_disk_stops_no_run_and_takes_no_result_away() {
     assert!(fs::read(other.join("history.csv")).expect("a history") == whole, "other bits");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_proof_keeps_each_part_when_that_has_ended() {
+    use std::os::unix::fs::PermissionsExt;
+    let root = tempfile::tempdir().expect("a folder");
+    let cargo = root.path().join("cargo");
+    fs::create_dir(root.path().join("mpm-core")).expect("a folder");
+    fs::write(root.path().join("mpm-core/Cargo.toml"), "").expect("a file");
+    // All but the format passes only where the row of the format is stored already.
+    fs::write(&cargo, "#!/bin/sh\n[ $1 = fmt ] || grep format reports/prove/prove.csv\n").expect("a script");
+    fs::set_permissions(&cargo, fs::Permissions::from_mode(0o755)).expect("a script");
+    let prove = |parts: &[&str]| {
+        let mut command = Command::new(PROGRAM);
+        command.env("CARGO", &cargo).current_dir(root.path()).arg("prove").args(parts);
+        let output = command.output().expect("a process");
+        assert_eq!(output.status.code(), Some(0), "{}{}", program::stdout(&output), stderr(&output));
+    };
+    prove(&["format", "lints"]);
+    prove(&["documentation"]);
+    let folder = root.path().join("reports/prove");
+    let table = fs::read_to_string(folder.join("prove.csv")).expect("a table");
+    for part in ["format", "lints", "documentation"] {
+        assert!(table.contains(&format!("\n{part},")), "{table}");
+        assert!(folder.join(format!("{part}.txt")).is_file(), "what {part} said");
+    }
+}
+
 #[test]
 fn killed_runs_lose_nothing_and_end_with_the_same_bits() {
     let root = tempfile::tempdir().expect("a folder");
